@@ -7,8 +7,8 @@ use sinew::formats::keypoint_table::KeypointTable;
 use sinew::formats::source_text::decode;
 use sinew::formats::{
     Error, amc, asf, body_toml, bvh, c3d, calib_toml, calibration, caliscope_xy, camera_name, coco_results,
-    deeplabcut_csv, frame_number, keypoint_formats, layout, mask, mediapipe_json, mmpose_json, mot, openpose,
-    osim_model, picture, point_mapping, rtmlib_json, tidy_csv, trc,
+    deeplabcut_csv, frame_number, keypoint_formats, layout, live_frame, mask, mediapipe_json, mmpose_json, mot,
+    openpose, osim_model, picture, point_mapping, rtmlib_json, tidy_csv, trc,
 };
 use std::fmt::Display;
 
@@ -64,6 +64,21 @@ pub fn openpose(data: &[u8]) {
                 assert!((0.0..=1.0).contains(&keypoint.confidence));
             }
         }
+    }
+}
+
+/// Lines of a live run.
+pub fn live_frame(data: &[u8]) {
+    let Some(text) = text("line 1", data) else { return };
+    let Some(frame) = accepted(live_frame::read("line 1", text, &openpose::OpenposeOptions::default())) else { return };
+    let mut names: Vec<&str> = frame.cameras.iter().map(|(name, _)| name.as_str()).collect();
+    let count = names.len();
+    names.sort_unstable();
+    names.dedup();
+    assert_eq!(names.len(), count, "every camera is there once");
+    let people = frame.cameras.iter().filter_map(|(_, seen)| seen.as_ref()).flat_map(|seen| &seen.people);
+    for keypoint in people.flat_map(|person| person.keypoints.iter().flatten()) {
+        assert!(keypoint.x.is_finite() && keypoint.y.is_finite() && (0.0..=1.0).contains(&keypoint.confidence));
     }
 }
 

@@ -3,7 +3,8 @@
 The tracker runs on one core, this script and a process that does nothing but count on another. Times of both ends are of
 one clock in this process. Frames are those of a simulated recording, forth and back, at a fixed rate.
 
-    python3 xtask/peers/live_latency.py target/release/sinew walk --seconds 600 --fps 60 --setup whole/setup.toml
+    python3 xtask/peers/live_latency.py --seconds 600 --fps 60 --setup whole/setup.toml target/release/sinew walk
+    python3 xtask/peers/live_latency.py … target/release/sinew walk -- --updates=8 --burn-in=2   # more arguments
 
 where `walk` was made by `sinew simulate -o walk --fps 60`, and `whole` by `sinew track` of it.
 """
@@ -43,6 +44,7 @@ def main():
     parser.add_argument("--fps", type=float, default=60)
     parser.add_argument("--layout", default="BODY_25B")
     parser.add_argument("--out", default="/tmp/live-latency")
+    parser.add_argument("--first", action="store_true", help="real-time priority for the tracker, on a shared machine")
     parser.add_argument("--idle", action="store_true", help="leave the second core idle")
     parser.add_argument("more", nargs="*", help="more arguments of the tracker, after --")
     asked = parser.parse_args()
@@ -53,9 +55,9 @@ def main():
     except PermissionError:
         print("no real-time priority: the measuring process waits for the busy one", file=sys.stderr)
 
-    def apart(cores):
+    def apart(cores, first=False):
         def place():
-            os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+            os.sched_setscheduler(0, os.SCHED_FIFO if first else os.SCHED_OTHER, os.sched_param(int(first)))
             os.sched_setaffinity(0, cores)
         return place
 
@@ -64,7 +66,7 @@ def main():
     command = [asked.program, "track", "--live", "--calibration", f"{asked.recording}/Calib.toml", "--layout"]
     command += [asked.layout, "--fps", str(asked.fps), "--setup", asked.setup, "-o", asked.out, "--force", "-q"]
     tracker = subprocess.Popen(
-        command + asked.more, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0, preexec_fn=apart({0})
+        command + asked.more, stdin=subprocess.PIPE, stdout=subprocess.PIPE, bufsize=0, preexec_fn=apart({0}, asked.first)
     )
     sent, answered, ends = {}, {}, []
 

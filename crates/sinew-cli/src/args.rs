@@ -437,7 +437,7 @@ pub(crate) struct TrackArgs {
     #[arg(long, help_heading = "Output", conflicts_with = "force")]
     pub(crate) resume: bool,
     /// Track frames as they come, a line of JSON each, from standard input (-) or tcp:127.0.0.1:PORT
-    #[arg(long, help_heading = "Input", value_name = "FROM", num_args = 0..=1, default_missing_value = "-", hide_short_help = true, conflicts_with_all = ["resume", "sync", "write_calibration"])]
+    #[arg(long, help_heading = "Input", value_name = "FROM", num_args = 0..=1, default_missing_value = "-", hide_short_help = true, conflicts_with_all = ["resume", "sync", "write_calibration", "report"])]
     pub(crate) live: Option<String>,
     /// Seconds of frames for the set-up of a live run that has none [default: 5]
     #[arg(long, help_heading = "Method", value_name = "S", hide_short_help = true, requires = "live")]

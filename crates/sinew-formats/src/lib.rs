@@ -9,6 +9,7 @@
 //! |---|---|---|---|
 //! | [`openpose`] | OpenPose-style JSON keypoints, with [`layout`], [`frame_number`] and [`camera_name`] | yes | yes |
 //! | [`calibration`] | calibrations, recognised by content: the five below | yes | yes |
+//! | [`live_frame`] | frames as they come, a line of JSON each | yes | – |
 //! | [`keypoint_formats`] | keypoints of whole recordings: [`caliscope_xy`], [`deeplabcut_csv`], [`mmpose_json`], [`rtmlib_json`], [`coco_results`], [`mediapipe_json`] | yes | – |
 //! | [`calib_toml`] | Pose2Sim `Calib.toml` | yes | yes |
 //! | [`caliscope_cameras`] | Caliscope `camera_array.toml` | yes | yes |

@@ -349,6 +349,7 @@ fn read_all(text: &str) {
     let skeleton = asf::read("a.asf", ASF).unwrap();
     let outcomes = [
         openpose::read("a.json", text, &openpose::OpenposeOptions::default()).err(),
+        live_frame::read("line 1", text, &openpose::OpenposeOptions::default()).err(),
         caliscope_xy::read("a.csv", text, 1.0).err(),
         coco_results::read("a.json", text, 1.0).err(),
         deeplabcut_csv::read("a.csv", text, 1.0).err(),

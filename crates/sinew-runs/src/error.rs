@@ -1,6 +1,6 @@
 //! What can go wrong in a whole run, with the exit code and the advice that belong to it.
 
-use std::net::SocketAddr;
+use super::live::LiveError;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -38,6 +38,9 @@ pub enum Error {
         /// People there.
         found: usize,
     },
+    /// What is refused of a live run.
+    #[error(transparent)]
+    Live(#[from] LiveError),
     /// The system grants no threads.
     #[error("threads cannot be started: {0}")]
     Threads(rayon::ThreadPoolBuildError),
@@ -79,34 +82,6 @@ pub enum Error {
         /// Name of the pool.
         pool: String,
     },
-    /// A place from which no frames come.
-    #[error("`{0}` is no place for frames to come from; expected `-` or `tcp:127.0.0.1:PORT`")]
-    LivePlace(String),
-    /// A socket that others than this machine reach.
-    #[error("{0} can be reached from elsewhere; frames are taken from this machine only")]
-    NotLoopback(SocketAddr),
-    /// A socket that cannot be had.
-    #[error("tcp:{address} cannot be listened on: {source}")]
-    Listen {
-        /// The address.
-        address: SocketAddr,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// A setting that belongs to a recording on disk.
-    #[error("`{0}` has no use where frames come live")]
-    NotLive(&'static str),
-    /// No frame to be tracked.
-    #[error("no frame came that could be tracked")]
-    NoFrame,
-    /// Fewer frames than the set-up needs.
-    #[error("the frames ended after {found} of {expected} for the set-up")]
-    SetupCutShort {
-        /// Frames that came.
-        found: u64,
-        /// Frames wanted.
-        expected: u64,
-    },
     /// A file that would be written over while it is read.
     #[error("{} is both input and output", .0.display())]
     InputIsOutput(PathBuf),
@@ -146,23 +121,19 @@ impl Error {
         match self {
             Self::Library(error) => error.exit_code(),
             Self::Tools(error) => error.exit_code(),
+            Self::Live(error) => error.exit_code(),
             Self::Threads(_) => 1,
             Self::SetupFrames { .. }
             | Self::NoSuchPerson { .. }
             | Self::UnlikeTrials { .. }
             | Self::NoTrials(_)
-            | Self::NotPacked { .. }
-            | Self::NoFrame
-            | Self::SetupCutShort { .. } => 3,
-            Self::ShardInUse { .. } | Self::Listen { .. } => 5,
+            | Self::NotPacked { .. } => 3,
+            Self::ShardInUse { .. } => 5,
             Self::NothingToTrack { .. }
             | Self::NotAStudy(_)
             | Self::StudyFile { .. }
             | Self::InputIsOutput(_)
-            | Self::ResultIsOutput(_)
-            | Self::LivePlace(_)
-            | Self::NotLoopback(_)
-            | Self::NotLive(_) => 2,
+            | Self::ResultIsOutput(_) => 2,
         }
     }
 
@@ -172,6 +143,7 @@ impl Error {
         let words = match self {
             Self::Library(error) => return error.help(),
             Self::Tools(error) => return error.help(),
+            Self::Live(error) => error.help(),
             Self::Threads(_) => return None,
             Self::NothingToTrack { .. } => TRY,
             Self::SetupFrames { .. } => "`--setup-frames A..B` takes the numbers in the file names, A included, B not",
@@ -193,6 +165,7 @@ impl Error {
             Self::UnlikeTrials { .. } => {
                 "give `subject` only to trials with the same cameras and keypoints, or different names"
             }
+<<<<<<< HEAD
             Self::LivePlace(_) => "`--live -` reads standard input, `--live tcp:127.0.0.1:7777` a socket",
             Self::NotLoopback(_) => {
                 "listen on 127.0.0.1 or [::1], and bring frames of other machines there by a tunnel"
@@ -203,6 +176,8 @@ impl Error {
             Self::SetupCutShort { .. } => {
                 "give a set-up of an earlier run (`--setup`), or fewer seconds (`--setup-seconds`)"
             }
+=======
+>>>>>>> wt-live
         };
         Some(words.to_owned())
     }

@@ -9,6 +9,7 @@
 
 mod answer;
 mod answering;
+mod error;
 mod lines;
 mod place;
 mod queue;
@@ -16,6 +17,7 @@ mod reading;
 mod refusals;
 mod source;
 
+pub use error::LiveError;
 pub use place::{LivePlace, Streams};
 
 use crate::claimed::claimed;
@@ -57,7 +59,7 @@ pub struct LiveRequest {
     pub settings_file: Option<PathBuf>,
 }
 
-/// Tracks frames as they come into the folder of the settings; `None` where none came to be tracked.
+/// Tracks frames as they come into the folder of the settings.
 ///
 /// # Errors
 /// [`Error`], with what was done kept in the folder where anything was.
@@ -102,8 +104,9 @@ pub fn track(resolved: &Resolved, request: LiveRequest, listener: &dyn Listener)
         answering.post(answer::end(summary, queue.state().skipped, answering.dropped()));
     }
     answering.end();
+    let outcome = ended?.ok_or(LiveError::NoFrame)?;
     page::forget_derived(&config.out)?;
-    ended?.ok_or(Error::NoFrame)
+    Ok(outcome)
 }
 
 /// Settings that a live run can carry out; the calibration.
@@ -111,7 +114,7 @@ fn check(resolved: &Resolved, config: &TrackConfig) -> Result<PathBuf, Error> {
     const OF_FILES: [&str; 9] =
         ["keypoints", "silhouettes", "images", "init", "frames", "setup_frames", "trim", "lag", "smooth"];
     if let Some(setting) = OF_FILES.into_iter().find(|setting| resolved.is_given(setting)) {
-        return Err(Error::NotLive(setting));
+        return Err(LiveError::OfFiles(setting).into());
     }
     config.calibration.clone().ok_or(Error::NothingToTrack { calibration: false, observation: true })
 }

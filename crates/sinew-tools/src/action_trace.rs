@@ -2,8 +2,8 @@
 //!
 //! It is what `actions.csv` holds, without the difference between the two models of a cluster: next and step are one, and a walk is no action primitive whatever cluster its particle was matched with.
 
+use crate::tracked::{bad_cell, column};
 use sinew::results::error::{Expected, ResultsError};
-use sinew::results::tracked::{bad_cell, column};
 use sinew::{Error, files};
 use sinew_dynamics::primitives::switching::Branch;
 use sinew_formats::source_text::MAX_TEXT_BYTES;

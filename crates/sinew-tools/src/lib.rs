@@ -12,6 +12,7 @@
 //! | [`refined`] | a calibration as the set-up of a run refined it |
 //! | [`report`] | one HTML page that shows a result |
 //! | [`result_table`] | which table of a result folder a CSV file is |
+//! | [`mod@tracked`] | the poses of a result, read back |
 //! | [`sync`] | how late cameras are against each other |
 //! | [`shape_fit`] | thicknesses of a body from masks and a result |
 
@@ -30,6 +31,7 @@ pub mod segment;
 pub mod shape_fit;
 pub mod svg;
 pub mod sync;
+pub mod tracked;
 pub mod validate;
 
 pub use error::Error;

@@ -10,6 +10,7 @@ mod everybody;
 pub use error::OverlayError;
 
 use crate::Error;
+use crate::tracked::{self, Tracked};
 use drawing::{disc, line, number};
 use everybody::colour_of_person;
 use rayon::prelude::*;
@@ -17,7 +18,6 @@ use sinew::input::image_folder;
 use sinew::input::lag::ClockLag;
 use sinew::input::pictures::Pictures;
 use sinew::input::silhouettes::Silhouettes;
-use sinew::results::tracked::{self, Tracked};
 use sinew::results::{claim, pose};
 use sinew_core::lanes::Isa;
 use sinew_formats::picture;

@@ -20,11 +20,11 @@ pub(crate) mod error;
 pub use error::PredictError;
 
 use crate::Error;
+use crate::tracked::Tracked;
 use rayon::prelude::*;
 use sinew::input::recording::Calibrated;
 use sinew::input::up_axis::upright;
 use sinew::results::stored_array::stored_array;
-use sinew::results::tracked::Tracked;
 use sinew::setup::lasting_errors::MeasuredErrors;
 use sinew::setup::lasting_prior::{CAMERA_UNITS, HEAVY, KIND_SCALES, LAG_SCALE, kind};
 use sinew_formats::camera_name;

@@ -14,11 +14,11 @@ pub(crate) mod error;
 pub use error::ShapeFitError;
 
 use crate::Error;
+use crate::tracked::{self, Tracked};
 use rayon::prelude::*;
 use sinew::input::silhouettes::{self, Silhouettes};
 use sinew::results;
 use sinew::results::error::Occupied;
-use sinew::results::tracked::{self, Tracked};
 use sinew_body::KinematicTree;
 use sinew_body::flesh::{Flesh, Solid};
 use sinew_formats::body_toml;

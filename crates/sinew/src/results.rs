@@ -1,7 +1,7 @@
 //! The result folder: estimates in, files out, and the same files read again.
 //!
 //! Enter: a claimed folder, what a run says of itself ([`estimate::RunInfo`]), and one [`estimate::FrameEstimate`] after the other. Leave: the files of [`folder`], written under
-//! provisional names and renamed when they are whole; what a stopped run may be resumed from ([`folder::Written`]); the poses of a finished one ([`tracked`]).
+//! provisional names and renamed when they are whole; what a stopped run may be resumed from ([`folder::Written`]).
 //! Must not know: how a frame was tracked, and by which method.
 
 pub mod error;
@@ -11,7 +11,6 @@ pub mod people;
 pub mod problem;
 pub mod standing_trial;
 pub mod stored_array;
-pub mod tracked;
 
 mod actions;
 mod chunks;

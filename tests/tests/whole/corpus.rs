@@ -55,6 +55,8 @@ fn valid_files_are_read() {
     };
     let text = |target: &str| String::from_utf8(bytes(target)).unwrap();
     formats::openpose::read("valid", &text("openpose"), &formats::openpose::OpenposeOptions::default()).unwrap();
+    let line = text("live_frame");
+    formats::live_frame::read("valid", &line, &formats::openpose::OpenposeOptions::default()).unwrap();
     formats::calib_toml::read("valid", &text("calib_toml")).unwrap();
     assert_eq!(formats::calibration::read("valid", &text("calibration")).unwrap().cameras.len(), 1);
     assert_eq!(formats::osim_model::read("valid", &text("osim_model")).unwrap().bodies.len(), 2);

@@ -11,8 +11,9 @@ use std::path::Path;
 pub type Check = fn(&[u8]);
 
 /// Every fuzz target.
-pub const CHECKS: [(&str, Check); 31] = [
+pub const CHECKS: [(&str, Check); 32] = [
     ("openpose", checks::openpose),
+    ("live_frame", checks::live_frame),
     ("calib_toml", checks::calib_toml),
     ("calibration", checks::calibration),
     ("caliscope_xy", checks::caliscope_xy),

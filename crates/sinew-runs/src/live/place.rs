@@ -2,6 +2,7 @@
 //!
 //! The streams of the process, or a socket that this machine alone can reach.
 
+use super::error::LiveError;
 use crate::Error;
 use crate::listener::Listener;
 use std::io::{ErrorKind, Read, Write};
@@ -37,30 +38,30 @@ impl FromStr for LivePlace {
         if text == "-" {
             return Ok(Self::Standard);
         }
-        let wrong = || Error::LivePlace(text.to_owned());
+        let wrong = || Error::from(LiveError::Place(text.to_owned()));
         let address = text.strip_prefix("tcp:").ok_or_else(wrong)?;
         let address =
             address.strip_prefix("localhost").map_or_else(|| address.to_owned(), |port| format!("127.0.0.1{port}"));
         let address: SocketAddr = address.parse().map_err(|_| wrong())?;
-        if address.ip().is_loopback() { Ok(Self::Tcp(address)) } else { Err(Error::NotLoopback(address)) }
+        if address.ip().is_loopback() { Ok(Self::Tcp(address)) } else { Err(LiveError::NotLoopback(address).into()) }
     }
 }
 
 /// Waits for the first who connects to an address.
 ///
 /// # Errors
-/// [`Error::Listen`]; an interrupt.
+/// [`LiveError::Listen`]; an interrupt.
 pub(super) fn connected(address: SocketAddr, listener: &dyn Listener) -> Result<Streams, Error> {
-    let failed = |source| Error::Listen { address, source };
+    let failed = |source| LiveError::Listen { address, source };
     let socket = TcpListener::bind(address).map_err(failed)?;
     socket.set_nonblocking(true).map_err(failed)?;
     let stop = listener.stop();
     listener.note(&format!("listening on tcp:{}", socket.local_addr().map_err(failed)?));
     loop {
         match socket.accept() {
-            Ok((stream, _)) => return both_ways(stream).map_err(failed),
+            Ok((stream, _)) => return Ok(both_ways(stream).map_err(failed)?),
             Err(error) if error.kind() == ErrorKind::WouldBlock => {}
-            Err(error) => return Err(failed(error)),
+            Err(error) => return Err(failed(error).into()),
         }
         if stop.load(Ordering::Relaxed) {
             return Err(sinew::Error::Interrupted("before anybody connected; nothing was written").into());

@@ -1,6 +1,7 @@
 //! The frames of a live run: some for the set-up, then the one at hand.
 
 use super::answering::Answering;
+use super::error::LiveError;
 use super::queue::{Queue, State};
 use crate::Error;
 use crate::listener::Listener;
@@ -34,11 +35,11 @@ impl<'a> Source<'a> {
     /// Waits for the first frame.
     ///
     /// # Errors
-    /// [`Error::NoFrame`].
+    /// [`LiveError::NoFrame`].
     pub(super) fn opened(cameras: LiveCameras, queue: &'a Queue, listener: &'a dyn Listener) -> Result<Self, Error> {
         let stop = listener.stop();
-        let first = waited(queue, &stop, listener).ok_or(Error::NoFrame)?;
-        let layout = queue.state().layout.clone().ok_or(Error::NoFrame)?;
+        let first = waited(queue, &stop, listener).ok_or(LiveError::NoFrame)?;
+        let layout = queue.state().layout.clone().ok_or(LiveError::NoFrame)?;
         Ok(Self {
             recording: LiveRecording::new(cameras, layout),
             queue,
@@ -63,13 +64,13 @@ impl<'a> Source<'a> {
     /// Keeps a number of frames for the set-up, from the first one on that shows somebody in two cameras.
     ///
     /// # Errors
-    /// [`Error::SetupCutShort`] where no more come.
+    /// [`LiveError::SetupCutShort`] where no more come.
     pub(super) fn first_frames(&mut self, count: u64) -> Result<Range<u64>, Error> {
         let enough = self.recording.cameras().len().min(2);
         let mut range: Option<Range<u64>> = None;
         loop {
             let found = range.as_ref().map_or(0, |range| range.end - range.start);
-            let views = self.next().ok_or(Error::SetupCutShort { found, expected: count })?;
+            let views = self.next().ok_or(LiveError::SetupCutShort { found, expected: count })?;
             let number = views.number;
             match &mut range {
                 None if views.with_people() < enough => continue,

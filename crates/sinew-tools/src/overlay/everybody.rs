@@ -1,8 +1,8 @@
 //! Everybody in a result folder, with the colour of each.
 
 use crate::Error;
+use crate::tracked::Tracked;
 use sinew::results::people::person_folder;
-use sinew::results::tracked::Tracked;
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::path::Path;

@@ -2,11 +2,11 @@
 
 use super::recorded::Recorded;
 use crate::Error;
+use crate::tracked::calibrated;
 use serde_json::{Value, json};
 use sinew::config::{Sources, resolve};
 use sinew::input::recording::Calibrated;
 use sinew::results::stored_array::stored_array;
-use sinew::results::tracked::calibrated;
 use sinew_observe::Camera;
 use std::path::Path;
 

@@ -73,7 +73,7 @@ impl LagWindow {
     /// # Errors
     /// A covariance that cannot be factored.
     pub fn push(&mut self, estimate: &FrameEstimate, moments: &Moments) -> Result<Option<FrameEstimate>, Error> {
-        let row = self.shape.row(estimate, moments);
+        let row = self.shape.row(estimate, moments)?;
         self.frames.push_back(self.filtered(row)?);
         if self.end() <= self.next + self.lag {
             return Ok(None);

@@ -105,7 +105,7 @@ impl Spool {
     /// # Errors
     /// [`Error::Io`].
     pub fn append(&mut self, estimate: &FrameEstimate, moments: &Moments) -> Result<(), Error> {
-        let record = self.shape.row(estimate, moments);
+        let record = self.shape.row(estimate, moments)?;
         self.moments.write(|out| record.iter().try_for_each(|number| out.write_all(&number.to_le_bytes())))?;
         self.frames += 1;
         Ok(())

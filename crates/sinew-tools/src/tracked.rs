@@ -2,14 +2,14 @@
 //!
 //! The body is that of `setup.toml`; states come from `state.csv`, by the names of the body's degrees of freedom; numbers of frames from `frames.csv`.
 
-use super::error::{Expected, ResultsError};
-use super::people::refuse_several;
-use crate::config::{Sources, TrackConfig, resolve};
-use crate::input::lag::ClockLag;
-use crate::input::recording::Calibrated;
-use crate::input::up_axis::upright;
-use crate::setup::Setup;
-use crate::{Error, files};
+use sinew::config::{Sources, TrackConfig, resolve};
+use sinew::input::lag::ClockLag;
+use sinew::input::recording::Calibrated;
+use sinew::input::up_axis::upright;
+use sinew::results::error::{Expected, ResultsError};
+use sinew::results::people::refuse_several;
+use sinew::setup::Setup;
+use sinew::{Error, files};
 use sinew_body::{Joint, KinematicTree};
 use sinew_formats::camera_name;
 use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_TEXT_BYTES};
