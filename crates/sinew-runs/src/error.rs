@@ -165,19 +165,6 @@ impl Error {
             Self::UnlikeTrials { .. } => {
                 "give `subject` only to trials with the same cameras and keypoints, or different names"
             }
-<<<<<<< HEAD
-            Self::LivePlace(_) => "`--live -` reads standard input, `--live tcp:127.0.0.1:7777` a socket",
-            Self::NotLoopback(_) => {
-                "listen on 127.0.0.1 or [::1], and bring frames of other machines there by a tunnel"
-            }
-            Self::Listen { .. } => "choose another port; 0 takes one that is free",
-            Self::NotLive(_) => "leave it out, or track a recording without `--live`",
-            Self::NoFrame => "send one line a frame: {\"frame\": 0, \"cameras\": {\"cam1\": {\"people\": [...]}}}",
-            Self::SetupCutShort { .. } => {
-                "give a set-up of an earlier run (`--setup`), or fewer seconds (`--setup-seconds`)"
-            }
-=======
->>>>>>> wt-live
         };
         Some(words.to_owned())
     }
