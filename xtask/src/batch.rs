@@ -4,18 +4,17 @@
 //! the disk, angles of the draws. Memory is the program's own (anonymous pages) at a tenth of the trials and at the end.
 
 mod groups;
+mod keypoint_tables;
 mod queue;
 
 use crate::outcome::{Outcome, exit_code};
 use crate::program::{Program, built, shown};
+use keypoint_tables::write_keypoints;
 use serde_json::Value;
 use sinew::core::random::Stage;
-use sinew::formats::openpose::Keypoint;
-use sinew::observe::Camera;
 use sinew_simulate::adult;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_simulate::ring::Ring;
-use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitCode};
@@ -40,7 +39,7 @@ pub struct Args {
     /// Folder for trials and studies [default: target/batch]
     #[arg(long)]
     out: Option<PathBuf>,
-    /// Only means of angles of so many subjects, against the truth
+    /// Only means of angles, of this number of subjects, against the truth
     #[arg(long)]
     groups: Option<usize>,
     /// Program to run [default: built for release]
@@ -109,39 +108,6 @@ fn write_subject(trials: &Path, subject: usize, count: usize) -> Outcome<()> {
         }
     }
     Ok(())
-}
-
-/// Writes keypoints of a camera into the folder of a trial, as DeepLabCut does.
-fn write_keypoints(
-    walk: &SyntheticRecording,
-    camera: &Camera,
-    frames: &[Vec<Option<Keypoint>>],
-    trial: &Path,
-) -> Outcome<()> {
-    fs::create_dir_all(trial.join("points"))?;
-    fs::write(trial.join("sinew.toml"), "keypoints = \"points\"\n")?;
-    Ok(fs::write(trial.join("points").join(format!("{}.csv", camera.name)), table(walk, frames))?)
-}
-
-fn table(walk: &SyntheticRecording, frames: &[Vec<Option<Keypoint>>]) -> String {
-    let names: Vec<&str> = walk.layout.points.iter().map(|name| name.as_deref().unwrap_or("none")).collect();
-    let row = |head: &str, cell: &dyn Fn(&str) -> String| {
-        head.to_owned() + &names.iter().map(|name| cell(name)).collect::<String>() + "\n"
-    };
-    let mut text = row("scorer", &|_| ",s,s,s".into())
-        + &row("bodyparts", &|name| format!(",{name},{name},{name}"))
-        + &row("coords", &|_| ",x,y,likelihood".into());
-    for (number, frame) in frames.iter().enumerate() {
-        let _ = write!(text, "{number}");
-        for point in frame {
-            let _ = match point {
-                Some(k) => write!(text, ",{:.3},{:.3},{:.3}", k.x, k.y, k.confidence),
-                None => write!(text, ",,,"),
-            };
-        }
-        text.push('\n');
-    }
-    text
 }
 
 /// A row of the table: a study planned, run and gathered.

@@ -23,5 +23,6 @@ pub mod size_misfit;
 pub mod source;
 pub mod up_axis;
 pub mod upright;
+pub mod world_turn;
 
 pub use error::InputError;

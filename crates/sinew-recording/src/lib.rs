@@ -5,9 +5,11 @@
 //! | [`input`] | keypoints, masks and images of a recording, one frame at a time |
 //! | [`setup`] | sizes of the person, offsets of the cameras, noise: one value |
 //! | [`oddities`] | cameras that exchange sides for a span, people who jump |
+//! | [`posed_body`] | frames of all links and points of a body in a state |
 //! | [`predictive`] | whether keypoints scatter about poses as the model says |
 //! | [`bodies`] | bodies by name or file |
 //! | [`files`] | whole files with a limit on their size |
+//! | [`silhouette_overlap`] | how well a body covers the silhouettes of a camera |
 //! | [`storage`] | the few operations on files that results need |
 //!
 //! No tracker, no sampler and no result is known here.
@@ -18,9 +20,11 @@ mod file_error;
 pub mod files;
 pub mod input;
 pub mod oddities;
+pub mod posed_body;
 pub mod predictive;
 mod problems;
 pub mod setup;
+pub mod silhouette_overlap;
 pub mod storage;
 
 pub use error::Error;

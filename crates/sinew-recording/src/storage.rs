@@ -116,7 +116,7 @@ impl Storage for Disk {
 
 /// The file system without waiting for the disk: for results that are copied to where they stay.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Scratch;
+pub struct ScratchDisk;
 
 /// A file that is never waited for.
 struct ScratchFile(fs::File);
@@ -142,7 +142,7 @@ impl StoredFile for ScratchFile {
     }
 }
 
-impl Storage for Scratch {
+impl Storage for ScratchDisk {
     fn create_folder(&self, path: &Path) -> io::Result<()> {
         Disk.create_folder(path)
     }

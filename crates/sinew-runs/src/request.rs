@@ -5,7 +5,7 @@ use super::listener::Listener;
 use super::page;
 use sinew::config::Resolved;
 use sinew::results::people::PeopleSummary;
-use sinew::results::{Disk, Scratch, Storage};
+use sinew::results::{Disk, ScratchDisk, Storage};
 use sinew::track::job::Outcome;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -28,7 +28,7 @@ pub struct Request {
 impl Request {
     /// Where files are kept.
     pub(crate) fn storage(&self) -> Arc<dyn Storage> {
-        if self.scratch { Arc::new(Scratch) } else { Arc::new(Disk) }
+        if self.scratch { Arc::new(ScratchDisk) } else { Arc::new(Disk) }
     }
 }
 

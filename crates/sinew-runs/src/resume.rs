@@ -7,7 +7,7 @@ use sinew::config::{Resolved, TrackConfig};
 use sinew::input::source::FrameSource;
 use sinew::results::people::is_of_several;
 use sinew::results::problem::{self, Problem};
-use sinew::results::{Claim, RESULT_NAMES, claim_to_resume};
+use sinew::results::{Claim, RESULT_NAMES, claim_to_resume, is_incomplete};
 use sinew::track::checkpoint::{self, Checkpoint};
 use sinew::track::job::{self, Watch};
 use std::collections::BTreeMap;
@@ -20,6 +20,11 @@ pub(crate) enum Stopped {
     Complete(Claim, serde_json::Value),
     /// A run that was stopped.
     At(Claim, Box<Checkpoint>),
+}
+
+/// Whether a run was stopped in a folder, of one person or of several, that can be resumed.
+pub(crate) fn is_stopped(folder: &Path) -> bool {
+    folder.join(problem::NAME).exists() || (is_of_several(folder) && is_incomplete(folder))
 }
 
 /// The run to continue, in its folder, for this process alone.

@@ -9,7 +9,6 @@ pub mod estimate;
 pub mod folder;
 pub mod people;
 pub mod problem;
-pub mod silhouette_overlap;
 pub mod standing_trial;
 pub mod stored_array;
 
@@ -21,27 +20,23 @@ mod draws;
 mod journal;
 mod markers;
 mod partial;
-mod pose;
 mod skeleton;
 mod statistics;
-mod stopped;
 mod summary;
 mod table;
 mod tables;
 mod texts;
-mod world_turn;
 
 pub use claim::{
-    Claim, LOCK_NAME, OWN_NAMES, RESULT_NAMES, claim, claim_in, claim_to_resume, is_in_use, refuse_inputs,
+    Claim, LOCK_NAME, OWN_NAMES, RESULT_NAMES, claim, claim_in, claim_to_resume, is_in_use, is_incomplete,
+    refuse_inputs,
 };
 pub use folder::{ResultFolder, Written, write_whole};
 pub use markers::{REFERENCE_ORDER, order as marker_order};
 pub use partial::Position;
 pub(crate) use partial::{PartialFile, Place};
-pub use pose::{Pose, pose};
-pub use sinew_recording::storage::{Disk, Scratch, Storage, StoredFile};
-pub use skeleton::t_pose;
-pub use stopped::is_stopped;
+pub use sinew_recording::input::world_turn::WorldTurn;
+pub use sinew_recording::posed_body::{Pose, pose, t_pose};
+pub use sinew_recording::storage::{Disk, ScratchDisk, Storage, StoredFile};
 pub use summary::{AnglesSummary, CameraSummary, Diagnostics, Ending, Limits, Summary};
 pub use texts::Texts;
-pub use world_turn::WorldTurn;

@@ -1,8 +1,9 @@
-//! Means of joint angles over trials: do their intervals hold the truth, with one set-up for all trials and with set-ups of their own?
+//! Do intervals of joint angles, meant over trials, hold the truth?
 //!
-//! A simulated walker a subject, of another size, before cameras that differ from their calibration as real ones do, cut into four trials of two seconds. `groups.csv` has the mean over the trials of each angle's mean over time; the truth is that of the true angles. Counted
+//! With one set-up for all trials, and with set-ups of their own. A simulated walker a subject, of another size, before cameras that differ from their calibration as real ones do, cut into four trials of two seconds. `groups.csv` has the mean over the trials of each angle's mean over time; the truth is that of the true angles. Counted
 //! are angles that keypoints show in every frame.
 
+use super::keypoint_tables::write_keypoints;
 use crate::intervals::true_angles;
 use crate::outcome::Outcome;
 use crate::program::{Program, shown};
@@ -85,7 +86,7 @@ fn write_trials(walk: &SyntheticRecording, folder: &Path, settings: &str) -> Out
     for trial in 0..TRIALS {
         let own = folder.join(format!("T{trial}"));
         for (camera, keypoints) in walk.cameras.iter().zip(&walk.keypoints) {
-            super::write_keypoints(walk, camera, &keypoints[frames(trial)], &own)?;
+            write_keypoints(walk, camera, &keypoints[frames(trial)], &own)?;
         }
     }
     Ok(())

@@ -1,6 +1,6 @@
 //! A simulated cluster that runs a million trials: which of scheduler, file system and processors limits.
 //!
-//! 1000 nodes with two workers each. A scheduler starts so many jobs a second. A shared file system does so many operations on names a second (create, rename, remove), one after the other, and a worker waits for its own. A trial takes its computing, exponentially
+//! 1000 nodes with two workers each. A scheduler starts jobs, and a shared file system does operations on names (create, rename, remove), one after the other, at the rates below; a worker waits for its own. A trial takes its computing, exponentially
 //! spread about the mean for a half of it, then its overhead on the node, then its operations on the shared file system. Jobs are trials or shards.
 
 use std::cmp::Reverse;
@@ -53,9 +53,9 @@ fn spread(trial: u64) -> f64 {
 /// What a worker does next, at a time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Next {
-    /// Begins the next trial of its job, of which so many are left, or asks for a job.
+    /// Begins the next trial of its job, with the number of trials left, or asks for a job.
     Begin(u64),
-    /// Waits for so many operations of the file system, with so many trials left.
+    /// Waits for a number of operations of the file system, with the number of trials left.
     Write(u64, u64),
 }
 

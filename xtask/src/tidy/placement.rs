@@ -2,7 +2,7 @@
 
 use super::workspace::{Violation, Workspace};
 
-const TOP: [&str; 17] = [
+const TOP: [&str; 18] = [
     ".cargo",
     ".ci",
     ".gitignore",
@@ -14,6 +14,7 @@ const TOP: [&str; 17] = [
     "LICENSE-APACHE",
     "LICENSE-MIT",
     "README.md",
+    "book.toml",
     "crates",
     "docs",
     "fuzz",

@@ -10,6 +10,7 @@ use super::plan::{StudyPlan, Task, read};
 use super::pooled_setup::PooledSetups;
 use super::shard::Shard;
 use crate::listener::{Deaf, Listener};
+use crate::resume::is_stopped;
 use crate::threads::beside_each_other;
 use crate::{CameTo, Error, Request, track};
 use serde_json::Value;
@@ -167,7 +168,7 @@ impl Study<'_> {
         }
         let resolved = task.as_trial().settings(&self.plan.root, &given)?;
         let request = |resume| Request { resume, scratch: self.archive.is_some(), ..Request::default() };
-        let mut came_to = track(&resolved, &request(sinew::results::is_stopped(out)), &quiet);
+        let mut came_to = track(&resolved, &request(is_stopped(out)), &quiet);
         // Where what was stopped was something else, the trial is begun again.
         if let Err(Error::Library(sinew::Error::Checkpoint { problem, .. })) = &came_to
             && !matches!(**problem, Problem::Whom { .. })

@@ -228,7 +228,9 @@ fn refuse_results(folder: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-pub(super) fn is_incomplete(folder: &Path) -> bool {
+/// Whether a summary says that what it is of was not done to the end.
+#[must_use]
+pub fn is_incomplete(folder: &Path) -> bool {
     let Ok(text) = fs::read_to_string(folder.join("summary.json")) else { return false };
     let summary: Option<serde_json::Value> = serde_json::from_str(&text).ok();
     summary.is_some_and(|summary| summary.get("complete") == Some(&serde_json::Value::Bool(false)))

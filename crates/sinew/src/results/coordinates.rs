@@ -3,11 +3,11 @@
 //! What they are: [`sinew_angles`]. Their intervals are in `angles.csv`.
 
 use super::partial::{PartialFile, Place};
-use super::pose::Pose;
 use crate::Error;
 use crate::results::estimate::{FrameEstimate, RunInfo};
 use sinew_angles::CoordinateSource;
 use sinew_formats::{mot, trc};
+use sinew_recording::posed_body::Pose;
 
 pub(crate) struct Coordinates {
     sources: Vec<(usize, CoordinateSource)>,

@@ -7,11 +7,11 @@
 
 pub mod diagnostics;
 
-use super::world_turn::WorldTurn;
 use sinew_angles::{AngleMarginal, AngleZero, JointAngles};
 use sinew_body::KinematicTree;
 use sinew_dynamics::primitives::switching::Branch;
 use sinew_observe::Camera;
+use sinew_recording::input::world_turn::WorldTurn;
 use sinew_recording::setup::lasting_sources::PointSources;
 
 /// Whether an estimate uses the frames up to its own, some more, or all of them.

@@ -37,8 +37,8 @@ use std::sync::Arc;
 
 use super::claim::{Claim, OWN_NAMES};
 use super::partial::{PartialFile, Place, Position};
-use super::pose::pose;
 use super::summary::{Ending, Summary};
+use sinew_recording::posed_body::pose;
 use sinew_recording::storage::{Disk, Storage};
 
 const LOAD_PY: &str = include_str!("load.py");

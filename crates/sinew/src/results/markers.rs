@@ -4,13 +4,13 @@
 //! within the run, without the shift that all markers share, is the root mean square over its axes, metres: one weight for inverse kinematics.
 
 use super::partial::{PartialFile, Place};
-use super::pose::Pose;
 use super::table::{Table, integer};
 use crate::Error;
 use crate::results::estimate::{FrameEstimate, RunInfo};
 use sinew_body::KinematicTree;
 use sinew_formats::tidy_csv::Cell;
 use sinew_formats::trc;
+use sinew_recording::posed_body::Pose;
 
 /// Order of the points in the marker files of Pose2Sim.
 pub const REFERENCE_ORDER: [&str; 21] = [

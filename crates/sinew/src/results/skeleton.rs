@@ -4,30 +4,11 @@
 //! bodies rest in their zero pose. A BVH joint keeps its place in its parent, so that translations of links other than the root are not shown.
 
 use super::partial::{PartialFile, Place};
-use super::pose::Pose;
 use crate::Error;
 use crate::results::estimate::RunInfo;
 use crate::results::problem::{Problem, check_length};
-use sinew_body::KinematicTree;
 use sinew_formats::bvh::{self, export::Skeleton};
-use sinew_formats::rotation::{IDENTITY, Matrix, about_axis, product};
-use std::f64::consts::FRAC_PI_2;
-
-/// World rotation of every link in the T-pose.
-#[must_use]
-pub fn t_pose(body: &KinematicTree) -> Vec<Matrix> {
-    let mut rest: Vec<Matrix> = Vec::with_capacity(body.links().len());
-    for link in body.links() {
-        let own = if link.name.ends_with("upper_arm") {
-            about_axis(1, FRAC_PI_2.copysign(-link.offset[0]))
-        } else {
-            IDENTITY
-        };
-        let parent = link.parent.map_or(IDENTITY, |parent| rest[parent]);
-        rest.push(product(&parent, &own));
-    }
-    rest
-}
+use sinew_recording::posed_body::{Pose, t_pose};
 
 pub(crate) struct SkeletonFile {
     skeleton: Skeleton,
@@ -71,7 +52,7 @@ impl SkeletonFile {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::results::pose::pose;
+    use crate::results::pose;
     use sinew_body::{Proportions, standard};
 
     /// The file's own kinematics must place every joint and tip where the body has it.

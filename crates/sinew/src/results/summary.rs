@@ -3,10 +3,10 @@
 //! Everything in it is the same from run to run. A diagnostic *fails* above the [`Limits`]: then the program ends with code 4. Frames without observation and large
 //! residuals are warnings.
 
-use super::silhouette_overlap::SilhouetteOverlap;
-use super::world_turn::WorldTurn;
 use serde::Serialize;
+use sinew_recording::input::world_turn::WorldTurn;
 use sinew_recording::setup::uncertainty::Uncertainty;
+use sinew_recording::silhouette_overlap::SilhouetteOverlap;
 use std::collections::BTreeMap;
 
 /// Version of the layout of this file.

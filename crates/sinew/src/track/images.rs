@@ -8,7 +8,6 @@ use crate::config::settings::Settings;
 use crate::input::frame::FrameImages;
 use crate::methods::BoundImages;
 use crate::results::problem::{Problem, check_length};
-use crate::results::silhouette_overlap::SilhouetteOverlap;
 use crate::setup::MeasuredColours;
 use serde::{Deserialize, Serialize};
 use sinew_body::KinematicTree;
@@ -22,6 +21,7 @@ use sinew_observe::image_score::precision_and_recall;
 use sinew_observe::soft_silhouette::SoftSilhouetteModel;
 use sinew_observe::solid_body::{SolidBody, part_tree};
 use sinew_observe::{Camera, ObservationModel, WorkingRaster};
+use sinew_recording::silhouette_overlap::SilhouetteOverlap;
 use std::sync::Arc;
 
 /// What the image side remembers from frame to frame.

@@ -1,9 +1,10 @@
-//! Frames of all links and points of a body in one state, by a plain walk over the tree.
+//! Frames of all links and points of a body in one state, and its T-pose.
 //!
 //! Once per written frame; whatever runs per particle uses [`sinew_body::Plan`].
 
 use sinew_body::{Joint, KinematicTree};
 use sinew_formats::rotation::{IDENTITY, Matrix, about_axis, apply, product};
+use std::f64::consts::FRAC_PI_2;
 
 /// World rotation and origin of every link, and position of every point.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -49,6 +50,22 @@ pub fn pose(body: &KinematicTree, state: &[f64]) -> Pose {
 fn moved(origin: [f64; 3], rotation: &Matrix, step: [f64; 3]) -> [f64; 3] {
     let step = apply(rotation, step);
     [0, 1, 2].map(|k| origin[k] + step[k])
+}
+
+/// World rotation of every link in the T-pose.
+#[must_use]
+pub fn t_pose(body: &KinematicTree) -> Vec<Matrix> {
+    let mut rest: Vec<Matrix> = Vec::with_capacity(body.links().len());
+    for link in body.links() {
+        let own = if link.name.ends_with("upper_arm") {
+            about_axis(1, FRAC_PI_2.copysign(-link.offset[0]))
+        } else {
+            IDENTITY
+        };
+        let parent = link.parent.map_or(IDENTITY, |parent| rest[parent]);
+        rest.push(product(&parent, &own));
+    }
+    rest
 }
 
 #[cfg(test)]
