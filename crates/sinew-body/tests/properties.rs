@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use sinew_body::kinematics::{Inform, V3, Visit};
 use sinew_body::{
-    Axis, Joint, KinematicTree, Link, Plan, Point, Proportions, point_jacobian, point_positions, point_positions_block,
-    standard,
+    Axis, Joint, KinematicTree, Link, Plan, Point, Proportions, point_jacobian, point_jacobian_each, point_positions,
+    point_positions_block, standard,
 };
 use sinew_core::lanes::triangle;
 use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, get_lane, set_lane};
@@ -197,6 +197,25 @@ proptest! {
             for i in 0..n {
                 let numeric = (above[i] - below[i]) / 2e-6;
                 prop_assert!((numeric - jacobian[i * d + j]).abs() < 1e-7 * largest, "row {i}, coordinate {j}");
+            }
+        }
+    }
+
+    /// Jacobians of many states, eight at a time, are those of the states one by one, whatever their number.
+    #[test]
+    fn jacobians_of_many_states_are_the_jacobians_of_each((tree, q) in tree_and_pose(), count in 1_usize..20) {
+        let plan = Plan::with_all_points(&tree);
+        let (d, n) = (plan.dof(), 3 * plan.points());
+        prop_assume!(d > 0 && n > 0);
+        let states: Vec<f64> = (0..count).flat_map(|k| q.iter().map(move |x| x + 0.1 * k as f64)).collect();
+        let (mut at, mut by) = (vec![0.0; count * n], vec![0.0; count * n * d]);
+        point_jacobian_each(&plan, Isa::best(), &states, &mut at, &mut by);
+        for (k, state) in states.chunks(d).enumerate() {
+            let (mut p, mut jacobian) = (vec![0.0; n], vec![0.0; n * d]);
+            point_jacobian(&plan, Isa::best(), state, &mut p, &mut jacobian);
+            let found = at[k * n..][..n].iter().chain(&by[k * n * d..][..n * d]);
+            for (found, expected) in found.zip(p.iter().chain(&jacobian)) {
+                prop_assert!((found - expected).abs() < 1e-12 * (1.0 + expected.abs()), "state {k}: {found}, {expected}");
             }
         }
     }

@@ -16,7 +16,7 @@ pub(crate) struct CompareArgs {
     /// TOML that says which of its points are ours: [points] RKnee = ["RKNE", "RKNM"]
     #[arg(long, value_name = "FILE")]
     pub(crate) names: Option<PathBuf>,
-    /// What to align first: both (clock and world), time, space or none
+    /// Align first: both (clock and world), time, space or none
     #[arg(long, value_enum, value_name = "WHAT", default_value_t, hide_possible_values = true)]
     pub(crate) align: AlignedParts,
     /// Fit a scale of the reference as well, if space is aligned

@@ -1,4 +1,5 @@
-//! What an OpenSim model (`.osim`) has, as far as settings for its tools need it: names of its bodies and coordinates.
+//! Names of bodies and coordinates in a model of OpenSim (`.osim`).
+//! Settings for its tools need no more.
 //!
 //! Versions 3 (`<BodySet>` with a `ground`) and 4 are read. Names are attributes of `<Body>` and `<Coordinate>`, wherever
 //! they stand in the model.

@@ -21,7 +21,7 @@ mod rigid;
 mod sampled;
 mod tables;
 
-pub use agreement::{Agreement, LEVELS, Limits, Pair, agreement, limits_of_agreement};
+pub use agreement::{Agreement, AgreementLimits, LEVELS, Pair, agreement, limits_of_agreement};
 pub use clock::RivalOffset;
 pub use error::CompareError;
 pub use outcome::{AlignedWorlds, Alignment, ComparedSeries, Comparison, PartsToAlign};

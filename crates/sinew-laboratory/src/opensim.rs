@@ -34,9 +34,6 @@ use weights::MarkerWeights;
 /// Name of the model where none is given.
 const STAND_IN: &str = "model.osim";
 
-/// Scaled model that the scale tool writes and inverse kinematics reads.
-const SCALED: &str = "scaled.osim";
-
 const IK_OVER_TIME: &str = include_str!("opensim/ik_over_time.py");
 const README: &str = include_str!("opensim/README.txt");
 
@@ -128,9 +125,4 @@ fn model_line(model: Option<&Path>) -> String {
 
 fn bodies(path: &Path) -> Result<Vec<String>, Error> {
     Ok(osim_model::read(&path.display().to_string(), &read_text(path, MAX_TEXT_BYTES)?)?.bodies)
-}
-
-/// A text in XML.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -90,9 +90,11 @@ def in_mujoco(body):
     model = spec.compile()
     data = mujoco.MjData(model)
     sites = [model.site(name).id for name in body.points]
+    # Its coordinates are in the order of the depth of the tree.
+    order = np.array([model.joint(f"q{number}").qposadr[0] for number in range(body.dof)])
 
     def bare(pose):
-        data.qpos[:] = pose
+        data.qpos[order] = pose
         mujoco.mj_kinematics(model, data)
 
     def positions(pose):
@@ -111,6 +113,8 @@ def main():
         what, least, median = line.split()
         print(f"{'Rust, ' + what.replace('_', ' '):42} {float(least):10.1f} {float(median):10.1f}")
     measured("sinew, positions of a batch", POSES, lambda: body.positions(poses))
+    out = np.empty_like(expected)
+    measured("sinew, positions into memory that is there", POSES, lambda: body.positions(poses, out=out))
     some = poses[:WITH_JACOBIAN]
     measured("sinew, Jacobians of a batch", WITH_JACOBIAN, lambda: body.jacobian(some))
     few = poses[:ONE_BY_ONE]

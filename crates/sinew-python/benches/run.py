@@ -41,7 +41,9 @@ def main():
         times = {"program": [], "call": []}
         for _ in range(rounds):
             begun, before = time.perf_counter(), used(resource.RUSAGE_CHILDREN)
-            subprocess.run([program, "track", *typed.split(), *paths], check=True, capture_output=True)
+            ended = subprocess.run([program, "track", *typed.split(), *paths], capture_output=True)
+            # 4: a diagnostic failed; the results are written all the same.
+            assert ended.returncode in (0, 4), ended.stderr.decode()
             times["program"].append((time.perf_counter() - begun, used(resource.RUSAGE_CHILDREN) - before))
             begun, before = time.perf_counter(), used(resource.RUSAGE_SELF)
             sinew.track(folder / "Calib.toml", folder / "pose", out=folder / "call", force=True, progress=False, **options)

@@ -6,6 +6,9 @@ use numpy::{Element, IntoPyArray, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn
 use pyo3::prelude::*;
 use pyo3::types::IntoPyDict;
 
+/// Values with their derivatives.
+pub(crate) type Two<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>);
+
 /// A dimension of an argument: its name and, where it is known, its length.
 pub(crate) type Dimension = (&'static str, Option<usize>);
 
@@ -98,6 +101,34 @@ pub(crate) fn array<'py, T: Element>(
     let shape: Vec<usize> = shape.into_iter().collect();
     let array = ArrayD::from_shape_vec(IxDyn(&shape), values).map_err(|error| Failure::bug(error.to_string()))?;
     Ok(array.into_pyarray(py))
+}
+
+/// An array for the result of a batch, whose numbers mean nothing yet: NumPy takes large ones in large pages.
+pub(crate) fn empty<'py>(py: Python<'py>, shape: &[usize]) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let made = py.import("numpy")?.call_method1("empty", (shape.to_vec(),))?;
+    Ok(made.cast_into::<PyArrayDyn<f64>>().map_err(|_| Failure::bug("numpy.empty makes no array of float64"))?)
+}
+
+/// An array of the caller's for a result of that shape.
+pub(crate) fn given_place<'py>(
+    name: &'static str,
+    out: &Bound<'py, PyAny>,
+    shape: &[usize],
+) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    let fits = out.cast::<PyArrayDyn<f64>>().ok().filter(|out| out.shape() == shape && out.is_c_contiguous());
+    let due = format!("`{name}` must be an array of float64 in C order of the shape {shape:?}");
+    Ok(fits.cloned().ok_or_else(|| Failure::argument(due))?)
+}
+
+/// Lets `write` fill an array.
+pub(crate) fn filled<'py, T>(
+    out: &Bound<'py, PyArrayDyn<f64>>,
+    write: impl FnOnce(&mut [f64]) -> PyResult<T>,
+) -> PyResult<T> {
+    let place = out.try_readwrite();
+    let mut place = place.map_err(|error| Failure::argument(format!("the array of the result: {error}")))?;
+    let numbers = place.as_slice_mut().map_err(|error| Failure::bug(error.to_string()))?;
+    write(numbers)
 }
 
 /// Shape of a result: what came before, then what is new.

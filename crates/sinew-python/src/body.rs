@@ -1,6 +1,6 @@
 //! Bodies: kinematic trees with named points, for batches of poses.
 
-use crate::arrays::{Numbers, array, numbers, room, shaped};
+use crate::arrays::{Numbers, Two, array, empty, filled, given_place, numbers, shaped};
 use crate::background::detached;
 use crate::failure::Failure;
 use numpy::PyArrayDyn;
@@ -138,24 +138,32 @@ impl PyBody {
     /// ----------
     /// poses
     ///     (..., dof), metres and radians.
+    /// out
+    ///     Array (..., points, 3) of float64 for the result, which spares the time that the system takes to hand out memory.
     ///
     /// Returns
     /// -------
     /// (..., points, 3), metres. Eight poses are evaluated together, on all threads; the number of threads changes nothing.
-    fn positions<'py>(&self, py: Python<'py>, poses: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+    #[pyo3(signature = (poses, *, out = None))]
+    fn positions<'py>(
+        &self,
+        py: Python<'py>,
+        poses: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let poses = self.poses(poses)?;
-        let (states, count) = (poses.values()?, poses.shape().iter().product::<usize>() / self.tree.dof());
-        let (d, width, plan) = (self.tree.dof(), 3 * self.plan.points(), &self.plan);
-        let out = detached(py, || {
-            let mut out = room(&[count, width])?;
-            if width == 0 {
-                return Ok(out);
-            }
+        let (states, d, plan) = (poses.values()?, self.tree.dof(), &self.plan);
+        let (shape, width) = (shaped(self.leading(&poses)?, &[plan.points(), 3]), 3 * plan.points());
+        let out = out.map_or_else(|| empty(py, &shape), |out| given_place("out", out, &shape))?;
+        let write = |out: &mut [f64]| {
             let parts = states.par_chunks(STATES_A_TASK * d).zip(out.par_chunks_mut(STATES_A_TASK * width));
             parts.for_each(|(states, out)| point_positions_into(plan, Isa::best(), states, out));
-            Ok(out)
-        })?;
-        array(py, shaped(self.leading(&poses)?, &[self.plan.points(), 3]), out)
+            Ok(())
+        };
+        if width > 0 {
+            filled(&out, |out| detached(py, || write(out)))?;
+        }
+        Ok(out)
     }
 
     /// World positions of the points and their derivatives by the degrees of freedom.
@@ -168,28 +176,22 @@ impl PyBody {
     /// Returns
     /// -------
     /// Positions (..., points, 3) in metres and Jacobians (..., points, 3, dof) in metres per metre or radian.
-    fn jacobian<'py>(
-        &self,
-        py: Python<'py>,
-        poses: &Bound<'py, PyAny>,
-    ) -> PyResult<(Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>)> {
+    fn jacobian<'py>(&self, py: Python<'py>, poses: &Bound<'py, PyAny>) -> PyResult<Two<'py>> {
         let poses = self.poses(poses)?;
-        let (states, count) = (poses.values()?, poses.shape().iter().product::<usize>() / self.tree.dof());
-        let (d, width, plan) = (self.tree.dof(), 3 * self.plan.points(), &self.plan);
-        let (positions, jacobians) = detached(py, || {
-            let mut results = (room(&[count, width])?, room(&[count, width, d])?);
-            if width == 0 {
-                return Ok(results);
-            }
-            let parts = results.0.par_chunks_mut(STATES_A_TASK * width);
-            let parts = parts.zip(results.1.par_chunks_mut(STATES_A_TASK * width * d));
-            let parts = states.par_chunks(STATES_A_TASK * d).zip(parts);
+        let (states, d, plan) = (poses.values()?, self.tree.dof(), &self.plan);
+        let (leading, points, width) = (self.leading(&poses)?, plan.points(), 3 * plan.points());
+        let positions = empty(py, &shaped(leading, &[points, 3]))?;
+        let jacobians = empty(py, &shaped(leading, &[points, 3, d]))?;
+        let write = |to: &mut [f64], by: &mut [f64]| {
+            let results = to.par_chunks_mut(STATES_A_TASK * width).zip(by.par_chunks_mut(STATES_A_TASK * width * d));
+            let parts = states.par_chunks(STATES_A_TASK * d).zip(results);
             parts.for_each(|(states, (to, by))| point_jacobian_each(plan, Isa::best(), states, to, by));
-            Ok(results)
-        })?;
-        let (leading, points) = (self.leading(&poses)?, self.plan.points());
-        let positions = array(py, shaped(leading, &[points, 3]), positions)?;
-        Ok((positions, array(py, shaped(leading, &[points, 3, d]), jacobians)?))
+            Ok(())
+        };
+        if width > 0 {
+            filled(&positions, |to| filled(&jacobians, |by| detached(py, || write(to, by))))?;
+        }
+        Ok((positions, jacobians))
     }
 
     /// The body as a body file (`body.toml`).

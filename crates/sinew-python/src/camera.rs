@@ -1,6 +1,6 @@
 //! Cameras: projection of points with its derivative, and lenses taken back.
 
-use crate::arrays::{array, fixed, numbers, room, shaped};
+use crate::arrays::{Two, array, fixed, numbers, room, shaped};
 use crate::background::detached;
 use crate::failure::Failure;
 use numpy::PyArrayDyn;
@@ -169,11 +169,7 @@ impl PyCamera {
     /// Returns
     /// -------
     /// Pixels (..., 2) and derivatives (..., 2, 3) in pixels per metre; NaN where there is no pixel.
-    fn project_with_jacobian<'py>(
-        &self,
-        py: Python<'py>,
-        points: &Bound<'py, PyAny>,
-    ) -> PyResult<(Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>)> {
+    fn project_with_jacobian<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Two<'py>> {
         let points = numbers("points", points)?;
         let leading = points.leading(&[("3", Some(3))])?;
         let (at, _) = points.values()?.as_chunks::<3>();

@@ -125,7 +125,7 @@ fn png(py: Python<'_>, path: &Path, write: impl FnOnce(&mut Vec<u8>) -> std::io:
 /// Keypoint layouts by name: the points in the order of the detector, None where a point has no use.
 #[pyfunction]
 pub(crate) fn layouts() -> PyResult<Vec<(String, Vec<Option<String>>)>> {
-    let found = layout::names().into_iter().map(|name| Ok(layout::find(name)?));
+    let found = layout::names().into_iter().map(layout::find);
     let found = found.collect::<Result<Vec<_>, sinew::formats::Error>>().map_err(Failure::from)?;
     Ok(found.into_iter().map(|layout| (layout.name, layout.points)).collect())
 }

@@ -76,7 +76,7 @@ fn named(points: Vec<Option<String>>) -> Layout {
 /// A keypoint; none where a number is NaN or the confidence is zero.
 fn keypoint([x, y, confidence]: [f64; 3], scale: f64) -> Result<Option<Keypoint>, String> {
     let confidence = confidence / scale;
-    if confidence > 1.0 || confidence < 0.0 {
+    if !confidence.is_nan() && !(0.0..=1.0).contains(&confidence) {
         return Err(format!("the confidence is {confidence}; it must lie between 0 and 1 (`confidence_scale`)"));
     }
     let is_there = x.is_finite() && y.is_finite() && confidence > 0.0;

@@ -130,7 +130,7 @@ pub(crate) fn track(
     heard.warnings(&resolved.warnings);
     heard.warnings(&resolved.idle_flags());
     let out = resolved.track().out;
-    let request = Request { resume, page, write_calibration, settings_file: config };
+    let request = Request { resume, page, write_calibration, settings_file: config, ..Request::default() };
     let came_to = interruptible(
         py,
         &heard.stop,

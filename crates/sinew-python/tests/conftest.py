@@ -1,7 +1,6 @@
 """What the tests share: a simulated walk, the program if it is there, the data if they are there."""
 
 import os
-import shutil
 import warnings
 from pathlib import Path
 
@@ -21,7 +20,7 @@ def walk():
 @pytest.fixture(scope="session")
 def program():
     """The program `sinew`, built from the same sources."""
-    named = os.environ.get("SINEW_PROGRAM") or shutil.which("sinew")
+    named = os.environ.get("SINEW_PROGRAM")
     if named is None or not Path(named).is_file():
         pytest.skip("no program: SINEW_PROGRAM names it")
     return named

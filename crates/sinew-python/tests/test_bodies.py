@@ -70,6 +70,17 @@ def test_a_batch_is_its_poses_one_by_one():
     np.testing.assert_array_equal(body.positions(poses[3].tolist()), body.positions(poses[3]))
 
 
+def test_positions_go_where_they_are_wanted():
+    body = sinew.Body()
+    poses = np.random.default_rng(4).normal(0, 0.5, (20, body.dof))
+    out = np.empty((20, len(body.points), 3))
+    assert body.positions(poses, out=out) is out
+    np.testing.assert_array_equal(out, body.positions(poses))
+    for wrong in (out[:10], np.empty((20, len(body.points), 3), np.float32), out.swapaxes(0, 1)):
+        with pytest.raises(sinew.InputError, match="`out` must be an array of float64 in C order of the shape"):
+            body.positions(poses, out=wrong)
+
+
 def test_sizes_are_those_given():
     body = sinew.Body("h32", scale=1.1, sizes={"thigh": 0.5})
     assert body.sizes["thigh"] == 0.5

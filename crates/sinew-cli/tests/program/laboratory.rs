@@ -4,7 +4,8 @@ use crate::common::{Trial, column, trial};
 use sinew::formats::{c3d, osim_model, trc};
 use std::fs;
 
-/// A tracked walker with the true points in C3D, by another clock (1.5 s late) in a world that is turned by a right angle.
+/// A tracked walker, and its points as a laboratory would have them.
+/// Its clock is 1.5 s late, its world turned by a right angle.
 fn tracked() -> Trial {
     let trial = trial(3.0);
     let made = trial.track(&[]);

@@ -1,5 +1,6 @@
-//! Writer of all that a C3D file holds, for Intel and of reals: points with residuals and cameras, analog channels, events
-//! and parameters.
+//! Writer of all that a C3D file holds, for Intel and of reals.
+//!
+//! Points have residuals and cameras; analog channels, events and parameters stay.
 //!
 //! The fourth number of a point is cameras · 256 + residual / |scale| as a real, −1 where it is missing, with the scale of
 //! the file made negative, which marks reals (Technical User Guide, “Notes for programmers, floating point”). Samples are

@@ -1,5 +1,4 @@
-//! A file that was read and written again holds the same, as reals for Intel: points with residuals and cameras, analog
-//! channels, events, parameters.
+//! A file that was read and written again holds the same, as reals for Intel.
 
 use super::built::{self, Build};
 use super::samples::{SAMPLES, bytes};

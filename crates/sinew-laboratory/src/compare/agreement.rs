@@ -37,29 +37,29 @@ impl Pair {
 
 /// Mean, spread and limits of differences.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Limits {
+pub struct AgreementLimits {
     /// Mean difference.
     pub bias: f64,
     /// Standard deviation of the differences.
     pub sd: f64,
     /// Ends of the 95 % interval of the bias.
     pub bias_interval: [f64; 2],
-    /// Limits of agreement, the lower first.
+    /// AgreementLimits of agreement, the lower first.
     pub limits: [f64; 2],
     /// Ends of the 95 % interval of each.
     pub limit_intervals: [[f64; 2]; 2],
 }
 
-/// Limits of agreement of differences that are worth `count` independent ones.
+/// AgreementLimits of agreement of differences that are worth `count` independent ones.
 #[must_use]
-pub fn limits_of_agreement(bias: f64, sd: f64, count: f64) -> Limits {
+pub fn limits_of_agreement(bias: f64, sd: f64, count: f64) -> AgreementLimits {
     let limits = [-1.0, 1.0].map(|sign| bias + sign * REACH[2] * sd);
     let student = StudentsT::new(0.0, 1.0, count - 1.0).map_or(f64::NAN, |student| student.inverse_cdf(0.975));
     let mean_square = count.recip();
     let limit_square = mean_square + REACH[2] * REACH[2] / (2.0 * (count - 1.0));
     let [for_bias, for_limit] = [mean_square, limit_square].map(|square| student * square.sqrt() * sd);
     let around = |centre: f64, half: f64| [centre - half, centre + half];
-    Limits {
+    AgreementLimits {
         bias,
         sd,
         bias_interval: around(bias, for_bias),
@@ -78,14 +78,14 @@ pub struct Agreement {
     /// Root mean square difference.
     pub rms: f64,
     /// Bias and limits.
-    pub limits: Limits,
+    pub limits: AgreementLimits,
     /// Shares of the reference inside our intervals of [`LEVELS`].
     pub inside: [f64; 3],
     /// The same within the run: the shift that all share is taken off, and intervals are without it. NaN without.
     pub inside_within: [f64; 3],
 }
 
-/// Share of the pairs whose difference less a shift is within so many of their standard deviations.
+/// Share of the pairs whose difference, less a shift, is within the reach of each level.
 fn share_inside(pairs: &[Pair], shift: f64, sd: impl Fn(&Pair) -> f64) -> [f64; 3] {
     if pairs.iter().any(|pair| !sd(pair).is_finite()) {
         return [f64::NAN; 3];

@@ -1,4 +1,5 @@
-//! Where in time a reference belongs: the offset of least misfit, searched over all that leave half of the shorter recording.
+//! Where in time a reference belongs: the offset of least misfit.
+//! All offsets are searched that leave half of the shorter recording in common.
 
 /// Step of the first search, seconds; people move by less than 5 Hz.
 const STEP_S: f64 = 0.04;
@@ -6,7 +7,7 @@ const STEP_S: f64 = 0.04;
 /// Offsets at least so far from the best are other answers, seconds.
 const APART_S: f64 = 0.3;
 
-/// Misfit of another answer, over that of the best (both root mean square), from which on it is no rival.
+/// Misfit of another offset over that of the best, root mean square, from which on it is no rival.
 const RIVAL: f64 = 1.15;
 
 /// Accuracy of the offset, seconds.
@@ -78,7 +79,7 @@ fn golden([mut low, mut high]: [f64; 2], value: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// At most so many of the frames, evenly spaced.
+/// Frames, evenly spaced, `most` of them at most.
 pub(super) fn thinned(frames: usize, most: usize) -> impl Iterator<Item = usize> + Clone {
     (0..frames).step_by(frames.div_ceil(most).max(1))
 }

@@ -1,7 +1,7 @@
 //! What a result says of points or angles: `joints.csv` or `angles.csv`.
 
 use crate::Error;
-use sinew_tools::report::result_columns::{FolderTable, Named};
+use sinew_tools::report::result_columns::{FolderTable, NamedSeries};
 use std::path::Path;
 
 /// Estimates of points (three axes, metres) or angles (one, degrees).
@@ -38,7 +38,7 @@ fn times(folder: &Path) -> Result<Vec<f64>, Error> {
 
 fn assembled<const D: usize>(
     times_s: Vec<f64>,
-    named: Vec<Named>,
+    named: Vec<NamedSeries>,
     estimate: impl Fn(&[Vec<f64>], usize) -> Estimate<D>,
 ) -> Estimates<D> {
     let frames = times_s.len();

@@ -40,12 +40,12 @@ pub(super) fn matched(
     mapping: Option<&[MappedPoint]>,
 ) -> Result<Vec<MatchedPoint>, CompareError> {
     let Some(mapping) = mapping else { return Ok(by_name(ours, reference)) };
-    let place = |names: &[String], name: &str, of_result: bool| {
+    let place = |names: &[String], name: &str, is_ours: bool| {
         let found = names.iter().position(|own| own == name);
-        let found = found.or_else(|| names.iter().position(|own| !of_result && bare(own) == name));
+        let found = found.or_else(|| names.iter().position(|own| !is_ours && bare(own) == name));
         found.ok_or_else(|| CompareError::NoSuchName {
             name: name.to_owned(),
-            whose: if of_result { "result" } else { "reference" },
+            whose: if is_ours { "result" } else { "reference" },
             nearest: nearest(name, names.iter().map(String::as_str)).map(str::to_owned),
         })
     };

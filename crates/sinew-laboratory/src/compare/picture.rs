@@ -1,4 +1,4 @@
-//! Bland–Altman pictures: for each point or angle, the difference over the mean of both, with bias and limits of agreement.
+//! Bland–Altman pictures: the difference over the mean of both, with bias and limits of agreement.
 
 use super::agreement::{Agreement, Pair};
 use super::outcome::{ComparedSeries, Comparison};
@@ -31,8 +31,8 @@ pub(super) fn bland_altman(title: &str, found: &Comparison) -> String {
     let mut svg =
         Svg::new(2.0 * MARGIN + BESIDE as f64 * (PANEL[0] + GAP[0]), TOP + rows * (PANEL[1] + GAP[1]) + MARGIN);
     svg.text(MARGIN, 28.0, 16.0, &clipped(title));
-    let words =
-        format!("Result less reference over the mean of both, {unit}; lines: bias, dashed: 95 % limits of agreement");
+    let across = if found.is_of_points() { "the mean of both, from its middle," } else { "the mean of both," };
+    let words = format!("Result less reference over {across} {unit}; lines: bias, dashed: 95 % limits of agreement");
     svg.text(MARGIN, 48.0, 12.0, &words);
     if found.is_of_points() {
         for (at, (axis, colour)) in ["x", "y", "z"].into_iter().zip(COLOURS).enumerate() {

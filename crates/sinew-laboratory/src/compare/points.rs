@@ -302,7 +302,8 @@ mod tests {
         assert!(found.rms > 1.0 && series[0].pairs[0].difference().abs() > 0.1);
     }
 
-    /// Errors of a result last 0.2 s, and every joint has a bias of 10 mm along each axis, which places the world wrongly.
+    /// Errors last 0.2 s, and every joint has a bias of 10 mm along each axis.
+    /// Biases place the world wrongly.
     #[test]
     fn standard_deviations_of_an_alignment_are_as_large_as_its_errors() {
         const SEEDS: u64 = 60;

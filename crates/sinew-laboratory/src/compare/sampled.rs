@@ -12,7 +12,7 @@ pub(super) struct Sampled<const D: usize> {
     channels: Vec<Vec<Option<[f64; D]>>>,
 }
 
-/// Steps that are longer than so many usual ones are gaps.
+/// Steps that are longer than this multiple of the usual one are gaps.
 const GAP: f64 = 1.5;
 
 /// Where a time lies: the frame before it, the share of the way to the next, and weights of four frames where they are evenly apart.

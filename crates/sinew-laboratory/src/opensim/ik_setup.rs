@@ -1,6 +1,6 @@
 //! Settings of OpenSim's inverse kinematics: a weight for each marker.
 
-use super::SCALED;
+use super::scale_setup::SCALED;
 use super::weights::MarkerWeights;
 use std::fmt::Write as _;
 

@@ -40,7 +40,7 @@ const HIP: [f64; 3] = [-0.0707, -0.0661, 0.0835];
 const NECK_JOINT: [f64; 3] = [0.0, 0.541_458, 0.0];
 const HEAD_BELOW_JOINT: [f64; 3] = [0.0, -0.03, 0.0];
 
-/// From heel to big toe, and from the top of the head to the nose, of an adult of the model's size, metres.
+/// Feet (heel to big toe) and heads (top to nose) of an adult of the model's size, metres.
 const FOOT_M: f64 = 0.221;
 const HEAD_M: f64 = 0.164;
 
@@ -66,13 +66,13 @@ impl AtZero {
     }
 
     /// From one point to another, if both are there.
-    fn from_to(&self, from: &str, to: &str) -> Option<[f64; 3]> {
+    fn between(&self, from: &str, to: &str) -> Option<[f64; 3]> {
         Some(combined(*self.0.get(to)?, -1.0, *self.0.get(from)?))
     }
 
     /// From the middle of the shoulders to a point.
-    fn from_shoulders(&self, to: &str) -> Option<[f64; 3]> {
-        Some(combined(self.from_to("RShoulder", to)?, -0.5, self.from_to("RShoulder", "LShoulder")?))
+    fn beyond_shoulders(&self, to: &str) -> Option<[f64; 3]> {
+        Some(combined(self.between("RShoulder", to)?, -0.5, self.between("RShoulder", "LShoulder")?))
     }
 }
 
@@ -102,8 +102,8 @@ pub(super) fn markers(tree: &KinematicTree) -> Vec<ModelMarker> {
 
 fn on_foot(zero: &AtZero, side: &str, point: &str, body: &str, mirror: f64) -> Option<[f64; 3]> {
     let named = |point: &str| format!("{side}{point}");
-    let size = zero.from_to(&named("Heel"), &named("BigToe")).map_or(1.0, |foot| length(foot) / FOOT_M);
-    let from_ankle = zero.from_to(&named("Ankle"), &named(point))?;
+    let size = zero.between(&named("Heel"), &named("BigToe")).map_or(1.0, |foot| length(foot) / FOOT_M);
+    let from_ankle = zero.between(&named("Ankle"), &named(point))?;
     let [x, y, z] = if body == "toes" { TOES } else { CALCANEUS };
     Some(combined(from_ankle.map(|along| along / size), -1.0, [x, y, mirror * z]))
 }
@@ -112,15 +112,15 @@ fn on_foot(zero: &AtZero, side: &str, point: &str, body: &str, mirror: f64) -> O
 fn trunk_and_head(zero: &AtZero) -> Vec<ModelMarker> {
     let middle = [SHOULDER[0], SHOULDER[1], 0.0];
     let model_m = length(combined(combined(TRUNK, 1.0, SHOULDER), -1.0, HIP));
-    let Some(trunk) = zero.from_to("RHip", "RShoulder").map(|trunk| length(trunk) / model_m) else { return vec![] };
-    let Some(neck) = zero.from_shoulders("Neck") else { return vec![] };
+    let Some(trunk) = zero.between("RHip", "RShoulder").map(|trunk| length(trunk) / model_m) else { return vec![] };
+    let Some(neck) = zero.beyond_shoulders("Neck") else { return vec![] };
     let neck = combined(middle, trunk.recip(), neck);
     let mut found = vec![ModelMarker { name: "Neck".into(), body: "torso".into(), place: neck }];
-    let Some(size) = zero.from_to("Head", "Nose").map(|head| length(head) / HEAD_M) else { return found };
+    let Some(size) = zero.between("Head", "Nose").map(|head| length(head) / HEAD_M) else { return found };
     // Where the head's origin comes to in the scaled trunk, from where the neck comes to.
     let origin = combined(combined([0.0; 3], trunk, combined(NECK_JOINT, -1.0, neck)), size, HEAD_BELOW_JOINT);
     for name in ["Head", "Nose"] {
-        if let Some(from_neck) = zero.from_to("Neck", name) {
+        if let Some(from_neck) = zero.between("Neck", name) {
             let place = combined(from_neck, -1.0, origin).map(|along| along / size);
             found.push(ModelMarker { name: name.into(), body: "head".into(), place });
         }

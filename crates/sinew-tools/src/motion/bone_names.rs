@@ -1,4 +1,4 @@
-//! `motion.bvh` with the names of bones, and the heading at rest, that programs look for when they carry a motion to a character of their own.
+//! `motion.bvh` with names of bones, and a heading at rest, that retargeting looks for.
 //!
 //! | ours | `mixamo` | `unreal` | `rigify` |
 //! |---|---|---|---|
@@ -22,13 +22,13 @@ use std::f64::consts::PI;
 pub enum BoneNames {
     /// Mixamo's, which most retargeting in Blender and Unreal's templates know.
     Mixamo,
-    /// Those of Unreal's mannequin.
+    /// Bones of Unreal's mannequin.
     Unreal,
-    /// Those of Rigify's human in Blender.
+    /// Bones of Rigify's human in Blender.
     Rigify,
 }
 
-/// Our names with those of Mixamo, Unreal and Rigify.
+/// Our names, and the names that Mixamo, Unreal and Rigify have.
 const NAMES: [(&str, [&str; 3]); 20] = [
     ("root", ["Hips", "pelvis", "spine"]),
     ("spine", ["Spine", "spine_01", "spine.001"]),
@@ -69,10 +69,10 @@ impl BoneNames {
 pub fn rename_bones(motion: &mut Motion, names: BoneNames) -> Result<(), MotionError> {
     let refused = || MotionError::OtherBones { wanted: OURS.join(", ") };
     let Content::Skeleton(skeleton) = &mut motion.content else { return Err(refused()) };
-    let has = |name: &&str| skeleton.joints.iter().any(|joint| joint.name == **name);
+    let has = |name: &str| skeleton.joints.iter().any(|joint| joint.name == name);
     let rotations = [2, 1, 0].map(Channel::Rotation);
     let is_ours = skeleton.joints.iter().all(|joint| joint.channels.ends_with(&rotations));
-    if !is_ours || !OURS.iter().all(|name| has(&name)) {
+    if !is_ours || !OURS.iter().all(|name| has(name)) {
         return Err(refused());
     }
     turn_to_front(skeleton);

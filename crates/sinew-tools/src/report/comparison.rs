@@ -1,6 +1,6 @@
 //! The run beside a reference, where `sinew compare` has left what it found in the folder.
 
-use super::ReportError;
+use super::error::ReportError;
 use super::html::{escaped, table, with_code};
 use super::packed::base64;
 use crate::Error;

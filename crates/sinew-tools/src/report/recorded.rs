@@ -1,7 +1,7 @@
 //! What a result folder holds of its run: summary, set-up, and tables as series over the frames.
 
 use super::error::ReportError;
-use super::result_columns::{FolderTable, Named};
+use super::result_columns::{FolderTable, NamedSeries};
 use crate::Error;
 use serde_json::Value;
 use sinew::files::read_text;
@@ -132,7 +132,7 @@ const OF_POINTS: [&str; 15] = [
 ];
 const OF_ANGLES: [&str; 4] = ["mean_deg", "q05_deg", "q95_deg", "seen"];
 
-fn point((name, series): Named) -> RecordedPoint {
+fn point((name, series): NamedSeries) -> RecordedPoint {
     let mut series = series.into_iter();
     let mut next = || series.next().unwrap_or_default();
     let axes = [(); 3].map(|()| Band { mean: next(), low: next(), high: next() });
@@ -140,7 +140,7 @@ fn point((name, series): Named) -> RecordedPoint {
     RecordedPoint { name, axes, sd, sd_within }
 }
 
-fn angle((name, series): Named) -> RecordedAngle {
+fn angle((name, series): NamedSeries) -> RecordedAngle {
     let mut series = series.into_iter();
     let mut next = || series.next().unwrap_or_default();
     let band = Band { mean: next(), low: next(), high: next() };

@@ -15,7 +15,7 @@ pub struct FolderTable {
 }
 
 /// What the rows of one name hold: a series for each column.
-pub type Named = (String, Vec<Vec<f64>>);
+pub type NamedSeries = (String, Vec<Vec<f64>>);
 
 impl FolderTable {
     /// Reads a table of a folder.
@@ -74,7 +74,12 @@ impl FolderTable {
     }
 
     /// Columns of a table with a row for each name in each of `frames` frames, the names in one order.
-    pub fn by_name(&self, head: &'static str, wanted: &[&'static str], frames: usize) -> Result<Vec<Named>, Error> {
+    pub fn by_name(
+        &self,
+        head: &'static str,
+        wanted: &[&'static str],
+        frames: usize,
+    ) -> Result<Vec<NamedSeries>, Error> {
         let other = || Error::from(ReportError::OtherRun(self.path.clone()));
         let (rows, place) = (&self.cells.rows, self.place(head)?);
         let names = rows.len() / frames.max(1);
