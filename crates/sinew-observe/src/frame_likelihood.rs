@@ -201,7 +201,7 @@ mod tests {
     use crate::bit_image::BitImage;
     use crate::contour_map::contour_map;
     use crate::image_likelihood::{Cues, ImageModel};
-    use crate::methods::Score;
+    use crate::image_score::ImageScore;
     use crate::soft_silhouette::SoftSilhouetteModel;
     use crate::solid_body::SolidBody;
     use crate::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
@@ -263,9 +263,9 @@ mod tests {
         let flesh = standard_flesh(&tree).unwrap();
         let count = flesh.solids().len();
         let silhouette = BitImage::from_fn(160, 120, |x, _| (70..84).contains(&x));
-        let likelihood = |score: Score, offset: Option<f64>| {
+        let likelihood = |score: ImageScore, offset: Option<f64>| {
             let body = Arc::new(SolidBody::new(&tree, &flesh).unwrap());
-            let (score, isa) = (score.with_kappa(100.0), Isa::best());
+            let isa = Isa::best();
             let model = ImageModel { body, cameras: vec![camera()], score, colours: Arc::default(), isa };
             let cues = Cues { edges: Some(contour_map(&silhouette)), silhouette: silhouette.clone(), picture: None };
             let parts = (0..count).map(|_| keypoints(offset)).collect();
@@ -273,7 +273,8 @@ mod tests {
             FrameLikelihood { keypoints: keypoints(offset), parts, images }
         };
         let x: Vec<Block> = standing().iter().map(|&x| Block::splat(x)).collect();
-        let (seen, unseen) = (likelihood(Score::Bidirectional, Some(2.0)), likelihood(Score::Bidirectional, None));
+        let score = ImageScore::DeutscherReid { kappa: 100.0, bidirectional: Some(0.5) };
+        let (seen, unseen) = (likelihood(score, Some(2.0)), likelihood(score, None));
         let mut ws = vec![Block::ZERO; seen.workspace()];
         let one = seen.keypoints.log_density(&standing());
         let images = unseen.log_density(&standing());
@@ -286,7 +287,7 @@ mod tests {
             assert!((without - expected).abs() < 1e-9 * images.abs(), "{part}: {without} for {expected}");
         }
         assert!(seen.has_intermediates() && !seen.is_product());
-        assert!(!likelihood(Score::Parts, None).has_intermediates());
+        assert!(!likelihood(ImageScore::Parts, None).has_intermediates());
     }
 
     #[test]

@@ -66,9 +66,10 @@ const ON: &str = "on";
 const AUTO: &str = "auto";
 
 #[rustfmt::skip]
-const SETTINGS: [Setting; 5] = [
+const SETTINGS: [Setting; 6] = [
     computed((SAMPLING, "chains", SettingKind::Count(1, 100_000), "N", || HmcMethod::default().0.chains.to_string(), "chains of a frame (hmc)")),
-    computed((SAMPLING, "updates", SettingKind::Count(1, 1_000_000), "N", || HmcMethod::default().0.updates.to_string(), "updates of each chain in a frame; four times as many where the chains disagree (hmc)")),
+    computed((SAMPLING, "updates", SettingKind::Count(1, 1_000_000), "N", || HmcMethod::default().0.updates.to_string(), "updates of each chain in a frame (hmc)")),
+    computed((SAMPLING, "patience", SettingKind::Count(1, 64), "N", || HmcMethod::default().0.patience.to_string(), "times the updates that chains which disagree may take; 1 for frames that take the same time (hmc)")),
     computed((SAMPLING, "burn_in", SettingKind::Count(0, 1_000_000), "N", || HmcMethod::default().0.burn_in.to_string(), "first samples of each chain that are discarded (hmc)")),
     computed((SAMPLING, "jitter", SHARE, "X", || HmcMethod::default().0.jitter.to_string(), "relative jitter of the step size (hmc)")),
     computed((SAMPLING, "joint_limits", SettingKind::Choice(&[AUTO, OFF, ON]), "WHEN", || AUTO.into(), "soft limits of joints in the prior: off, on, or auto: where keypoints show no feet (hmc)")),
@@ -79,6 +80,7 @@ fn configure(values: &SettingValues) -> Arc<dyn Method> {
         chains: values.size("chains"),
         updates: values.size("updates"),
         burn_in: values.size("burn_in"),
+        patience: values.size("patience"),
         jitter: values.number("jitter").unwrap_or_default(),
         ..Config::real_recordings()
     });

@@ -53,6 +53,7 @@ impl SkeletonFile {
 mod tests {
     use super::*;
     use crate::results::pose;
+    use sinew_body::KinematicTree;
     use sinew_body::{Proportions, standard};
 
     /// The file's own kinematics must place every joint and tip where the body has it.
