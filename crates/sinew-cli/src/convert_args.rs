@@ -17,7 +17,7 @@ pub(crate) struct ConvertArgs {
     /// Program: pose2sim, caliscope, anipose, freemocap, opencv or qualisys
     #[arg(long, value_enum, value_name = "PROGRAM", hide_possible_values = true)]
     pub(crate) to: Option<Program>,
-    /// Bone names for our motion.bvh, looking ahead at rest: mixamo, unreal or rigify
+    /// Bones of our motion.bvh named for mixamo, unreal or rigify, front at rest
     #[arg(long, value_enum, value_name = "NAMES", hide_possible_values = true)]
     pub(crate) bones: Option<Bones>,
     /// Skeleton of an .amc file

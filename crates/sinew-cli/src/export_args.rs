@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// Programs that a result can be made ready for.
 #[derive(Debug, Subcommand)]
 pub(crate) enum ExportCommand {
-    /// Write settings for OpenSim's scaling and inverse kinematics, markers weighted by their posterior
+    /// Settings for OpenSim's scaling and inverse kinematics, with weights of markers
     #[command(help_template = template!(
         "sinew export opensim sinew-out/trial --model Model_Pose2Sim_simple.osim",
         "sinew export opensim sinew-out/trial -o opensim"
@@ -21,7 +21,7 @@ pub(crate) struct OpensimArgs {
     /// Result folder of `sinew track`
     #[arg(value_name = "RESULT")]
     pub(crate) results: PathBuf,
-    /// Model to be scaled: Pose2Sim's, Rajagopal's, gait2392 [default: model.osim in the folder]
+    /// Model to be scaled, Pose2Sim's or another [default: model.osim in the folder]
     #[arg(long, value_name = "FILE")]
     pub(crate) model: Option<PathBuf>,
     #[command(flatten)]
