@@ -139,9 +139,12 @@ const fn is_refusal(error: &sinew::Error) -> bool {
     matches!(error, sinew::Error::Recording(_) | sinew::Error::Tracking(_))
 }
 
+/// A counter of all, and the frames of each person that were tracked and smoothed.
+type Shown<'a> = (Box<dyn Counter + 'a>, Vec<[u64; 2]>);
+
 /// Progress over everybody's frames.
 struct PeopleCounter<'a> {
-    shown: Mutex<(Box<dyn Counter + 'a>, Vec<[u64; 2]>)>,
+    shown: Mutex<Shown<'a>>,
 }
 
 impl<'a> PeopleCounter<'a> {

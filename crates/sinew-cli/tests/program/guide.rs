@@ -210,7 +210,9 @@ fn warnings_run() {
 #[test]
 fn every_page_of_the_guide_has_a_test() {
     let pages = fs::read_dir(root().join("docs/guide")).unwrap().map(|entry| entry.unwrap().file_name());
-    let mut pages: Vec<String> = pages.map(|name| name.into_string().unwrap()).collect();
+    // The page of Python is run by the package's own tests.
+    let mut pages: Vec<String> =
+        pages.map(|name| name.into_string().unwrap()).filter(|name| name != "python.md").collect();
     pages.sort();
     assert_eq!(pages, PAGES.map(|name| format!("{name}.md")));
 }

@@ -46,10 +46,11 @@ pub(super) fn write_angle_draws(folder: &Path, is_scratch: bool) -> Result<(), E
         }
     }
     let path = folder.join(ANGLE_DRAWS);
-    Ok(match is_scratch {
+    match is_scratch {
         true => fs::write(&path, text).map_err(sinew::Error::io("write", path))?,
         false => write_whole(&path, text.as_bytes())?,
-    })
+    }
+    Ok(())
 }
 
 fn angles_over_time(folder: &Path) -> Result<Option<Vec<(String, AngleOverTime)>>, Error> {

@@ -145,16 +145,16 @@ impl Study<'_> {
             return Ok(Some(failed(3, problem.clone())));
         }
         let Some(archive) = &self.archive else {
-            return self.into_folder(task, &self.folder.join(RESULTS).join(&task.trial));
+            return self.tracked_into(task, &self.folder.join(RESULTS).join(&task.trial));
         };
         let scratch = ScratchFolder::new(&task.hash)?;
-        let ending = self.into_folder(task, &scratch.0)?;
+        let ending = self.tracked_into(task, &scratch.0)?;
         let Some(mut ending) = ending else { return Ok(None) };
         ending.packed = Some(archive.append(&task.trial, &scratch.0)?);
         Ok(Some(ending))
     }
 
-    fn into_folder(&self, task: &Task, out: &Path) -> Result<Option<Ending>, Error> {
+    fn tracked_into(&self, task: &Task, out: &Path) -> Result<Option<Ending>, Error> {
         // What is odd stands in the results of the trial.
         let quiet = Deaf::stopped_by(self.listener.stop());
         let mut given = vec![
