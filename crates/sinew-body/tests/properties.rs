@@ -201,7 +201,7 @@ proptest! {
         }
     }
 
-    /// Jacobians of many states, eight at a time, are those of the states one by one, whatever their number.
+    /// Jacobians of many states, eight at a time, equal the Jacobians of the states one by one, whatever their number.
     #[test]
     fn jacobians_of_many_states_are_the_jacobians_of_each((tree, q) in tree_and_pose(), count in 1_usize..20) {
         let plan = Plan::with_all_points(&tree);

@@ -121,11 +121,10 @@ fn several_people(summary: &PeopleSummary, out: &Path, args: &TrackArgs, report:
     if !summary.complete {
         return Ok(interrupted(report));
     }
-    let said = |person: &PersonTracked| {
+    for person in &summary.people {
         let number = person.person;
         person.failed_diagnostics.iter().for_each(|failed| report.failed(&format!("person {number}: {failed}")));
-        person.trusted
-    };
-    let trusted = summary.people.iter().map(said).fold(true, |all, one| all && one);
-    Ok(if trusted { Ended::Done } else { Ended::Doubtful })
+    }
+    let is_trusted = summary.people.iter().all(|person| person.trusted);
+    Ok(if is_trusted { Ended::Done } else { Ended::Doubtful })
 }
