@@ -148,6 +148,7 @@ targets! {
     mmpose_json: 10_000,
     rtmlib_json: 10_000,
     layout: 10_000,
+    live_frame: 10_000,
     osim_model: 10_000,
     point_mapping: 10_000,
     body_toml: 10_000,
