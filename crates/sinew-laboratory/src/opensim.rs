@@ -3,10 +3,10 @@
 //! | file | what |
 //! |---|---|
 //! | `markers.trc` | the points of the result |
-//! | `marker_set.xml` | where a model has them ([`marker_set`]) |
-//! | `scale.xml` | scales the model by distances between them ([`scale_setup`]) |
-//! | `ik.xml` | fits the scaled model to them, each with a weight from its posterior ([`ik_setup`]) |
-//! | `weights.csv` | the same weights frame by frame ([`weights`]) |
+//! | `marker_set.xml` | where a model has them (`marker_set`) |
+//! | `scale.xml` | scales the model by distances between them (`scale_setup`) |
+//! | `ik.xml` | fits the scaled model to them, each with a weight from its posterior (`ik_setup`) |
+//! | `weights.csv` | the same weights frame by frame (`weights`) |
 //! | `ik_over_time.py` | inverse kinematics with weights that change, which `ik.xml` cannot say |
 //! | `README.txt` | the commands |
 //!

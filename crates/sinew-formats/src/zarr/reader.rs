@@ -45,10 +45,10 @@ pub enum StoredValues {
     Text(Vec<String>),
 }
 
-/// Reads an array of `float32` or `float64` as [`array`] does.
+/// Reads an array of `float32` or `float64` as [`array()`] does.
 ///
 /// # Errors
-/// As [`array`]; an array of another type.
+/// As [`array()`]; an array of another type.
 pub fn numbers(
     name: &str,
     document: &str,
