@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_with_a_line() {
+    fn a_wrong_line_is_refused_in_words() {
         let cases = [
             (r#"{"frame": 1, "cameras": {"C1": "#, "line 7: ends inside an object at byte 31 (line 1)"),
             (r#"{"cameras": {}}"#, "line 7: `frame` is missing"),

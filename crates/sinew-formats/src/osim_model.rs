@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_model_is_refused() {
+    fn files_of_no_model_are_refused() {
         for text in
             ["<a/>", "<OpenSimDocument><MarkerSet/></OpenSimDocument>", "<OpenSimDocument><Model/></OpenSimDocument>"]
         {

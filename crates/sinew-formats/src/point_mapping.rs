@@ -63,7 +63,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_mapping_is_refused_by_its_place() {
+    fn files_of_no_mapping_are_refused_by_their_place() {
         let check = |text: &str, words: &str| {
             let found = read("names.toml", text).unwrap_err().to_string();
             assert!(found.contains(words), "{text}: {found}");

@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_slowest_sets_the_time() {
+    fn the_slowest_part_sets_the_time() {
         // 500 trials a worker, one second each, nothing else: 500 s and the unevenness of the last.
         let alone = came(&DESIGNS[3], 1.0, 0.0);
         assert!((alone.hours * 3600.0 / 500.0 - 1.0).abs() < 0.25, "{}", alone.hours);

@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn what_hardly_changes_is_worth_few_values() {
+    fn values_that_hardly_change_are_worth_few() {
         let slow: Vec<Pair> = (0..200).map(|k| pair((0.02 * f64::from(k)).sin(), 0.0, 1.0)).collect();
         let fast: Vec<Pair> = (0..200).map(|k| pair(f64::from(k * 7919 % 200), 0.0, 1.0)).collect();
         let worth = |pairs: &[Pair]| agreement(pairs, 0.0).unwrap().worth;

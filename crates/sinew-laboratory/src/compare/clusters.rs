@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn what_rows_leave_open_has_no_standard_deviation() {
+    fn parameters_that_no_row_shows_have_no_standard_deviation() {
         let row = |piece: usize| ResidualRow { piece, joint: piece, residual: 1.0, gradient: [1.0; MOST] };
         assert!(standard_deviations(&[row(0), row(1)], 2).is_none());
         assert!(standard_deviations(&[row(0), row(0)], 1).is_none());

@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_shared_is_not_aligned() {
+    fn a_shared_clock_and_world_are_not_aligned() {
         let truth = turned(1.0);
         let time_only = PartsToAlign { space: false, ..BOTH };
         let (found, _) = aligned(&ours(0.0, 0.0, 1), &reference(&Similarity::IDENTITY, 3.2145), time_only).unwrap();

@@ -124,7 +124,7 @@ mod tests {
 
     /// An error that all trials share stays in the mean of four, errors of their own shrink by two.
     #[test]
-    fn what_trials_share_stays_in_the_interval_of_their_mean() {
+    fn a_shared_error_stays_in_the_interval_of_the_mean() {
         const DRAWS: usize = 4001;
         // Equally spaced from −1 to 1: standard deviation 1/√3, of a mean of four nearly Gaussian.
         let shared: Vec<f64> = (0..DRAWS).map(|k| 2.0 * k as f64 / (DRAWS - 1) as f64 - 1.0).collect();

@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_packed_comes_out_also_after_a_kill() {
+    fn packed_files_come_out_also_after_a_kill() {
         let root = tempfile::tempdir().unwrap();
         let folder = root.path().join("scratch");
         fs::create_dir_all(folder.join("b/c")).unwrap();

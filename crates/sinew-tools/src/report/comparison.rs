@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_comparison_found_is_shown_and_nothing_of_it_runs() {
+    fn a_comparison_is_shown_and_nothing_of_it_runs() {
         let folder = tempfile::tempdir().unwrap();
         let values = serde_json::json!({
             "of": "points",
