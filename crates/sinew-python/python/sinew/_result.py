@@ -14,7 +14,27 @@ from . import _arviz, _store, _tables
 from ._errors import InputError
 
 
-class Result:
+class _Stored:
+    """What a folder of results says of itself."""
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        self.notes: list[str] = []
+        """What the run noted, in order."""
+        self._kept: tempfile.TemporaryDirectory[str] | None = None
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """`summary.json`: versions, settings with their origin, what became of whom, whether it is complete."""
+        return json.loads((self.path / "summary.json").read_text(encoding="utf-8"))
+
+    @property
+    def complete(self) -> bool:
+        """Whether all came to their end."""
+        return bool(self.summary["complete"])
+
+
+class Result(_Stored):
     """Results of one person.
 
     Everything is read from the folder when it is first looked at, and kept. Bands and draws say what the model
@@ -27,23 +47,10 @@ class Result:
     """
 
     def __init__(self, path: str | Path) -> None:
-        self.path = Path(path)
-        self.notes: list[str] = []
-        """What the run noted, in order."""
-        self._kept: tempfile.TemporaryDirectory[str] | None = None
+        super().__init__(path)
         if not (self.path / "joints.csv").is_file():
             partial = " (it holds several people; `sinew.People` reads it)" if _is_of_several(self.path) else ""
             raise InputError(f"`{self.path}` holds no results of one person{partial}")
-
-    @cached_property
-    def summary(self) -> dict[str, Any]:
-        """`summary.json`: versions, settings with their origin, diagnostics, warnings, whether it is complete."""
-        return json.loads((self.path / "summary.json").read_text(encoding="utf-8"))
-
-    @property
-    def complete(self) -> bool:
-        """Whether the run came to its end."""
-        return bool(self.summary["complete"])
 
     @property
     def failed_diagnostics(self) -> list[str]:
@@ -100,7 +107,7 @@ class Result:
         return f"Result({str(self.path)!r}: {self.summary['frame_count']} frames, {state})"
 
 
-class People:
+class People(_Stored):
     """Results of several people, each of them a `Result`.
 
     Parameters
@@ -110,22 +117,9 @@ class People:
     """
 
     def __init__(self, path: str | Path) -> None:
-        self.path = Path(path)
-        self.notes: list[str] = []
-        """What the run noted, in order."""
-        self._kept: tempfile.TemporaryDirectory[str] | None = None
+        super().__init__(path)
         if not _is_of_several(self.path):
             raise InputError(f"`{self.path}` holds no results of several people")
-
-    @cached_property
-    def summary(self) -> dict[str, Any]:
-        """`summary.json`: who was seen when, and what became of each."""
-        return json.loads((self.path / "summary.json").read_text(encoding="utf-8"))
-
-    @property
-    def complete(self) -> bool:
-        """Whether all runs came to their end."""
-        return bool(self.summary["complete"])
 
     @property
     def failed_diagnostics(self) -> list[str]:
