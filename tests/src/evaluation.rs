@@ -89,8 +89,8 @@ pub fn run(
         [tree.dof(), cameras.len(), pipeline.keypoints().len(), pipeline.lasting_draws()],
     )?;
     let (mut filtered, mut smoothed) = (vec![], vec![]);
-    pipeline.track(source, frames, |estimate: FrameEstimate, posterior: &Posterior<'_>| {
-        spool.append(&estimate, &track::moments(posterior, settings.isa))?;
+    pipeline.track(source, frames, |estimate: FrameEstimate, _: &Posterior<'_>| {
+        spool.append(&estimate)?;
         filtered.push(estimate);
         Ok(())
     })?;

@@ -18,7 +18,6 @@ use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::{BlockRng, Stage};
 use sinew_core::transition::Moments;
 use sinew_dynamics::Error;
-use sinew_dynamics::factor::positive_part;
 use sinew_dynamics::smoother::{BackwardStep, Smoother};
 use sinew_tracking::posterior::Posterior;
 use std::collections::VecDeque;
@@ -118,14 +117,11 @@ impl FixedLag {
         }
     }
 
-    /// Takes in a frame: its moments, what persistent errors add to the covariance (or nothing), and its moves.
+    /// Takes in a frame: its moments, widened by what persistent errors add, and its moves.
     ///
     /// # Errors
     /// A covariance that cannot be factored.
-    pub fn push(&mut self, mut moments: Moments, missing: &[f64], moves: Vec<f64>) -> Result<(), Error> {
-        moments.covariance.iter_mut().zip(missing).for_each(|(known, missing)| *known += missing);
-        // Both are estimates, of which the sum need not be a covariance.
-        moments.covariance = positive_part("filtered covariance", &moments.covariance, moments.mean.len())?;
+    pub fn push(&mut self, moments: Moments, moves: Vec<f64>) -> Result<(), Error> {
         let step = self.smoother.backward(&moments)?;
         self.past.push_back(Filtered { moments, moves, step });
         if self.past.len() > self.frames {
@@ -202,7 +198,7 @@ mod tests {
             variance *= 1.0 - gain;
             filtered.push([mean, variance]);
             if frame < 2 {
-                lag.push(Moments { mean: vec![mean], covariance: vec![variance] }, &[], vec![]).unwrap();
+                lag.push(Moments { mean: vec![mean], covariance: vec![variance] }, vec![]).unwrap();
             }
         }
         // Of the pair (s_0, s_2) given all three observations, by conditioning a Gaussian of three states.
@@ -241,7 +237,7 @@ mod tests {
     fn a_move_of_all_frames_alike_is_no_change() {
         let mut lag = FixedLag::new(&[0.5], 30.0, 3, Isa::baseline());
         let moves: Vec<f64> = (0..8).map(|draw| 10.0 * f64::from(draw)).collect();
-        lag.push(Moments { mean: vec![0.0], covariance: vec![1e-12] }, &[], moves.clone()).unwrap();
+        lag.push(Moments { mean: vec![0.0], covariance: vec![1e-12] }, moves.clone()).unwrap();
         let states = [Block(std::array::from_fn(|lane| 10.0 * lane as f64))];
         let weights = [0.125; 8];
         let now = Posterior { dim: 1, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };

@@ -71,13 +71,13 @@ pub fn fit_poses(
         .enumerate()
         .map(|(f, targets)| {
             let start = starts.get(f).cloned().flatten();
-            let fresh = || initial_pose(tree, targets).map(|pose| near(tree, &pose, previous.as_deref()));
+            let fresh = || initial_pose(tree, targets).map(|pose| turned(tree, pose, previous.as_deref()));
             let start = start.or_else(|| previous.clone()).or_else(fresh)?;
             let mut found = fit_pose(&plan, targets, &start, config);
             if found.rms_m > 0.05 * extent(targets)
                 && let Some(fresh) = initial_pose(tree, targets)
             {
-                let again = fit_pose(&plan, targets, &near(tree, &fresh, previous.as_deref()), config);
+                let again = fit_pose(&plan, targets, &turned(tree, fresh, previous.as_deref()), config);
                 if again.rms_m < found.rms_m {
                     found = again;
                 }
@@ -92,8 +92,8 @@ pub fn fit_poses(
 }
 
 /// The same pose with angles within half a turn of another's.
-fn near(tree: &KinematicTree, pose: &[f64], other: Option<&[f64]>) -> Vec<f64> {
-    let Some(other) = other else { return pose.to_vec() };
+#[must_use]
+pub fn within_half_a_turn(tree: &KinematicTree, pose: &[f64], other: &[f64]) -> Vec<f64> {
     let turn = std::f64::consts::TAU;
     pose.iter()
         .zip(other)
@@ -103,6 +103,10 @@ fn near(tree: &KinematicTree, pose: &[f64], other: Option<&[f64]>) -> Vec<f64> {
             Joint::Translate(_) => *q,
         })
         .collect()
+}
+
+fn turned(tree: &KinematicTree, pose: Vec<f64>, other: Option<&[f64]>) -> Vec<f64> {
+    other.map_or_else(|| pose.clone(), |other| within_half_a_turn(tree, &pose, other))
 }
 
 /// Largest side of the box around the measured points, metres.
@@ -260,9 +264,9 @@ mod tests {
         let link = Link { name: "only".into(), parent: None, offset: [0.0; 3], joints };
         let tree = KinematicTree::new(vec![link], vec![]).expect("valid");
         let turn = std::f64::consts::TAU;
-        let found = near(&tree, &[9.0, 0.5, -1.0 - 2.0 * turn], Some(&[-9.0, 3.0 * turn, 1.0]));
+        let found = within_half_a_turn(&tree, &[9.0, 0.5, -1.0 - 2.0 * turn], &[-9.0, 3.0 * turn, 1.0]);
         assert!(found.iter().zip([9.0, 0.5 + 3.0 * turn, -1.0]).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
-        assert_eq!(near(&tree, &[9.0, 7.0, -8.0], None), [9.0, 7.0, -8.0]);
+        assert_eq!(turned(&tree, vec![9.0, 7.0, -8.0], None), [9.0, 7.0, -8.0]);
     }
 
     /// A pull on the toes alone turns the feet, unless steps keep them level: then they only get longer.

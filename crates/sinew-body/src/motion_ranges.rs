@@ -35,6 +35,20 @@ const RANGES: [(&str, [f64; 2]); 11] = [
     ("pelvis.rz", [-45.0, 45.0]),
 ];
 
+/// Coordinates that bend a limb.
+const BENDS: [&str; 2] = ["shin.rx", "forearm.rx"];
+
+/// The ranges of knees and elbows alone.
+#[must_use]
+pub fn bend_ranges(body: &KinematicTree) -> Vec<Option<[f64; 2]>> {
+    let is_bend = |name: &String| BENDS.iter().any(|bend| name.ends_with(bend));
+    motion_ranges(body)
+        .into_iter()
+        .zip(body.dof_names())
+        .map(|(range, name)| range.filter(|_| is_bend(&name)))
+        .collect()
+}
+
 /// Ranges of the coordinates of a body, radians; `None` for those without, and for all of the root.
 #[must_use]
 pub fn motion_ranges(body: &KinematicTree) -> Vec<Option<[f64; 2]>> {
@@ -73,6 +87,23 @@ mod tests {
             assert_eq!(degrees(&body, free), None, "{free}");
         }
         assert_eq!(degrees(&cf28(&Proportions::default()), "pelvis.rz"), Some([-45.0, 45.0]));
+    }
+
+    #[test]
+    fn knees_and_elbows_bend() {
+        let body = h32(&Proportions::default());
+        let names = body.dof_names();
+        let bends: Vec<&str> = bend_ranges(&body)
+            .iter()
+            .zip(&names)
+            .filter(|(range, _)| range.is_some())
+            .map(|(_, name)| &name[2..])
+            .collect();
+        assert_eq!((bends.len(), bends.iter().filter(|bend| **bend == "shin.rx").count()), (4, 2));
+        assert_eq!(
+            bend_ranges(&body)[names.iter().position(|name| name == "l_forearm.rx").unwrap()],
+            motion_ranges(&body)[names.iter().position(|name| name == "r_forearm.rx").unwrap()]
+        );
     }
 
     /// The larger end of each range is where the joint goes: heels to the buttocks, hands to the shoulders, toes down, soles inwards.

@@ -105,7 +105,7 @@ pub trait LevelMotion: MotionModel {
 }
 
 /// Mean and covariance of a distribution on the state.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Moments {
     /// Mean, length d.
     pub mean: Vec<f64>,

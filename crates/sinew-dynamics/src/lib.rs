@@ -17,6 +17,7 @@
 //! assert!((gradient[0] * 0.015 + 1.0).abs() < 1e-12);
 //! # Ok::<(), sinew_dynamics::Error>(())
 //! ```
+pub mod axes;
 pub mod backward_pass;
 mod error;
 pub mod factor;

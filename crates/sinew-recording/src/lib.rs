@@ -15,6 +15,7 @@
 //! No tracker, no sampler and no result is known here.
 
 pub mod bodies;
+pub mod body_limits;
 mod error;
 mod file_error;
 pub mod files;

@@ -151,12 +151,8 @@ impl<T: Predict> HmcFilter<T> {
         })
     }
 
-    /// Steps 1–3 and 5: prior, starting states, curvature.
-    fn start<O: GaussNewton + ?Sized>(&self, observed: &O, stage: Stage) -> Result<Start<T::Prior>, Error> {
-        let (d, chains) = (self.transition.dim(), self.config.chains);
-        if observed.dim() != d {
-            return Err(Error::Dimension { name: "observation", found: observed.dim(), expected: d });
-        }
+    /// The prior of the coming frame.
+    pub(crate) fn prior(&self) -> Result<T::Prior, Error> {
         let prior = match &self.handed_moments {
             None => self.transition.initial(&self.estimate),
             Some((moments, _)) => {
@@ -164,7 +160,16 @@ impl<T: Predict> HmcFilter<T> {
                 self.transition.predict(Cloud { last: states, count: *count, moments })
             }
         };
-        let prior = prior.map_err(|e| Error::Prior(Box::new(e)))?;
+        prior.map_err(|e| Error::Prior(Box::new(e)))
+    }
+
+    /// Steps 1–3 and 5: prior, starting states, curvature.
+    fn start<O: GaussNewton + ?Sized>(&self, observed: &O, stage: Stage) -> Result<Start<T::Prior>, Error> {
+        let (d, chains) = (self.transition.dim(), self.config.chains);
+        if observed.dim() != d {
+            return Err(Error::Dimension { name: "observation", found: observed.dim(), expected: d });
+        }
+        let prior = self.prior()?;
         let [to_start, to_average] = stage.split(["start", "curvature"]);
         let draws = self.config.curvature_draws;
         let (states, log_evidence, metric) = match self.config.geometry {

@@ -86,8 +86,6 @@ pub struct Moved {
     pub points: Rows,
     /// The same of the keypoints as the detectors see them.
     pub keypoints: Rows,
-    /// Covariance of what errors that persist add to the states, d × d; empty where none do.
-    pub missing: Vec<f64>,
 }
 
 /// Draws of equal weight.

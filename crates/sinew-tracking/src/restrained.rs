@@ -1,16 +1,22 @@
 //! The hybrid Monte Carlo filter with one more factor of the prior in every frame.
 //!
-//! The factor stays as it is where errors of the observation are broadened: as [`crate::with_prior`], but the search for a frame's mode keeps its detour through broadened errors ([`GaussNewton::broadened`]): the factor is added to the broadened observation. The factor need not be
-//! normalised; so a step has no evidence.
+//! The factor stays as it is where errors of the observation are broadened: as [`crate::with_prior`], but the search for a frame's mode keeps its detour through broadened errors ([`GaussNewton::broadened`]): the factor is added to the broadened observation. The factor φ need not be
+//! normalised: with the prior π of a frame, the evidence of its observation y is that of both, over what is left of the prior:
+//!
+//! ```text
+//! p(y) = ∫ p(y | s) φ(s) π(s) ds / ∫ φ(s) π(s) ds
+//! ```
+//!
+//! and the latter is a mean over draws of π.
 
 use crate::hmc_filter::HmcFilter;
 use crate::posterior::Posterior;
 use crate::{Error, Resume, StepInfo, Tracker};
 use sinew_core::combinators::Sum;
 use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
-use sinew_core::lanes::Block;
+use sinew_core::lanes::{Block, LANES};
 use sinew_core::random::Stage;
-use sinew_core::transition::Predict;
+use sinew_core::transition::{FramePrior, Predict};
 
 /// A frame's likelihood times a factor.
 pub struct Restrained<'a, P>(pub Sum<&'a dyn GaussNewton, &'a P>);
@@ -58,6 +64,25 @@ impl<P: GaussNewton> GaussNewton for Restrained<'_, P> {
     }
 }
 
+/// Blocks of draws of a prior by which a factor is weighed.
+const BLOCKS: usize = 32;
+
+/// The logarithm of the mean of exp(`factor`) over draws of a prior.
+fn log_mean(factor: &impl LogDensity, prior: &impl FramePrior, stage: Stage) -> f64 {
+    let (mut state, mut ws) = (vec![Block::ZERO; factor.dim()], vec![Block::ZERO; factor.workspace()]);
+    let mut logs = Vec::with_capacity(BLOCKS * LANES);
+    for block in 0..BLOCKS {
+        prior.sample_block(block, &mut state, &mut stage.block(block as u32));
+        logs.extend(factor.log_density_block(&state, &mut ws).0);
+    }
+    let largest = logs.iter().fold(f64::NEG_INFINITY, |largest, log| largest.max(*log));
+    if largest.is_finite() {
+        largest + (logs.iter().map(|log| (log - largest).exp()).sum::<f64>() / logs.len() as f64).ln()
+    } else {
+        largest
+    }
+}
+
 /// The filter.
 pub struct RestrainedFilter<T, P> {
     /// The filter that takes its steps.
@@ -68,8 +93,10 @@ pub struct RestrainedFilter<T, P> {
 
 impl<T: Predict + Send, P: GaussNewton + Send, O: GaussNewton> Tracker<O> for RestrainedFilter<T, P> {
     fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
-        let info = self.filter.step(&Restrained(Sum(observed, &self.prior)), stage)?;
-        Ok(StepInfo { log_evidence: None, ..info })
+        let [to_step, to_weigh] = stage.split(["step", "factor"]);
+        let left = log_mean(&self.prior, &self.filter.prior()?, to_weigh);
+        let info = self.filter.step(&Restrained(Sum(observed, &self.prior)), to_step)?;
+        Ok(StepInfo { log_evidence: info.log_evidence.map(|both| both - left), ..info })
     }
 
     fn posterior(&self) -> Posterior<'_> {

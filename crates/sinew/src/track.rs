@@ -25,7 +25,7 @@ mod trajectories;
 pub use fixed_lag::LagWindow;
 pub use images::{ImageState, Images};
 pub use motion_prior::{check_latent_model, check_model, motion_prior, walk};
-pub use pipeline::{Pipeline, State, moments};
+pub use pipeline::{Pipeline, State};
 pub use scene::{Scene, SceneState};
 pub use sinew_dynamics::backward_pass::TRAJECTORIES;
 pub use sinew_recording::predictive::{Doubt, Lengths, Origins};

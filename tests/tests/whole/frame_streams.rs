@@ -70,10 +70,10 @@ fn smoothed_trajectories_have_the_correlations_of_the_model() {
     // Filtered variances come from a step of motion.
     let covariance: Vec<f64> = (0..d * d).map(|k| if k / d == k % d { variances[k % d] } else { 0.0 }).collect();
     for number in 0..COUNT {
-        let mut moments = sinew::core::transition::Moments { mean: vec![0.0; d], covariance: covariance.clone() };
-        moments.mean[0] = number as f64;
-        let estimate = FrameEstimate { number, restarted: number == RESTART, ..FrameEstimate::default() };
-        spool.append(&estimate, &moments).unwrap();
+        let mut filtered = sinew::core::transition::Moments { mean: vec![0.0; d], covariance: covariance.clone() };
+        filtered.mean[0] = number as f64;
+        let estimate = FrameEstimate { number, restarted: number == RESTART, filtered, ..FrameEstimate::default() };
+        spool.append(&estimate).unwrap();
     }
     let mut frames = vec![];
     let keep = |estimate: FrameEstimate| {

@@ -4,6 +4,7 @@
 
 mod annealed_and_partitioned;
 mod bad_masks;
+mod bent_limbs;
 mod clocks_of_crowds;
 mod colours;
 mod corpus;

@@ -1,10 +1,11 @@
 //! The person in some evenly spaced frames, from which what is constant is measured.
 
 use super::measured_mistakes::{limb_pairs, mistakes};
-use super::pose_fit::pose_of;
+use super::pose_fit::straight_pose_of;
 use super::stored::Setup;
 use crate::Error;
 use crate::input::source::FrameSource;
+use sinew_body::bundle::within_half_a_turn;
 use sinew_body::point_derivatives::Neighbours;
 use sinew_body::{KinematicTree, Plan};
 use sinew_core::lanes::Isa;
@@ -19,6 +20,8 @@ use std::ops::Range;
 
 /// Frames looked at, at most.
 const FRAMES: usize = 120;
+/// Time within which a pose begins where the former one was, seconds.
+const SOON_S: f64 = 0.5;
 /// Probability of a gross outlier.
 const OUTLIER: f64 = 0.02;
 
@@ -58,6 +61,20 @@ pub(super) fn straight(frames: &[Sighted], tree: &KinematicTree, layout: &Layout
     straightened(frames, &limbs)
 }
 
+/// [`straight`] of frames of these numbers, in runs between which more than `gap` frames lie: what a limb did before says nothing of its side then.
+fn straight_runs(
+    frames: &[(u64, Sighted, Vec<Vec<f64>>)],
+    gap: u64,
+    tree: &KinematicTree,
+    layout: &Layout,
+) -> Vec<Sighted> {
+    let in_run = |run: &[(u64, Sighted, Vec<Vec<f64>>)]| {
+        let sighted: Vec<Sighted> = run.iter().map(|(_, sighted, _)| sighted.clone()).collect();
+        straight(&sighted, tree, layout)
+    };
+    frames.chunk_by(|(before, ..), (after, ..)| after - before <= gap).flat_map(in_run).collect()
+}
+
 /// The person in some of the frames of `numbers`, `fps` a second; `shared` are the points of the body that are keypoints, and which.
 pub(super) fn looked_at(
     setup: &Setup,
@@ -92,14 +109,17 @@ pub(super) fn looked_at(
         let elsewhere = elsewhere(&model, [&people, &source.others(number)?], &found, &keypoints, &config);
         found_in.push((number, found.people, elsewhere));
     }
-    let sighted: Vec<Sighted> = found_in.iter().map(|(_, sighted, _)| sighted.clone()).collect();
     let noise: Vec<CameraNoise> =
         model.views.iter().map(|view| CameraNoise::without_offset(view.sigma_px, view.usual_confidence)).collect();
     let as_they_are: Vec<Camera> = model.views.iter().map(|view| view.camera.clone()).collect();
     let mut looked: Vec<Looked> = vec![];
-    for ((number, sighted, elsewhere), straight) in found_in.into_iter().zip(straight(&sighted, tree, &layout)) {
-        let former = looked.last().map(|frame| frame.pose.as_slice());
-        let Some(pose) = pose_of(setup, &cameras, &layout, &straight, former) else { continue };
+    let straight = straight_runs(&found_in, 2 * stride, tree, &layout);
+    for ((number, sighted, elsewhere), straight) in found_in.into_iter().zip(straight) {
+        let former = looked.last().filter(|frame| (number - frame.number) as f64 <= SOON_S * fps);
+        let former = former.map(|frame| frame.pose.as_slice());
+        let both = (&sighted, &straight);
+        let Some(pose) = straight_pose_of(setup, &cameras, &layout, both, former) else { continue };
+        let pose = looked.last().map_or_else(|| pose.clone(), |frame| within_half_a_turn(tree, &pose, &frame.pose));
         let by_point =
             |seen: &Vec<Option<Detection>>| keypoints.iter().map(|&k| seen.get(k).copied().flatten()).collect();
         let detections: Vec<Vec<_>> = sighted.iter().map(by_point).collect();

@@ -1,6 +1,6 @@
 //! How a recording is tracked.
 
-use crate::methods::{HmcMethod, Method, Score};
+use crate::methods::{Method, Score, hmc};
 use crate::results::standing_trial::StandingTrial;
 use sinew_angles::Convention;
 use sinew_core::lanes::Isa;
@@ -61,7 +61,7 @@ impl Settings {
 impl Default for Settings {
     fn default() -> Self {
         Self {
-            method: Arc::new(HmcMethod::default()),
+            method: (hmc::ABOUT.usual)(),
             seed: 1,
             fps: 30.0,
             isa: Isa::best(),

@@ -1,7 +1,7 @@
 //! `hmc`: the hybrid Monte Carlo filter of Choo & Fleet 2001.
 //!
 //! With a dense metric and a Gaussian prior between frames, which are not the paper's. With a latent model it samples [λ, θ]: the likelihood through the mean of the model's Gaussian processes, and in the prior of every frame how well
-//! poses are known at a latent ([`LatentDensity::prior_of`]). Without one, `joint_limits` adds soft limits of joints to the prior ([`JointLimits`] on [`motion_ranges`]).
+//! poses are known at a latent ([`LatentDensity::prior_of`]). Without one, `joint_limits` adds soft limits of joints to the prior ([`body_limits`]).
 
 use super::about::{About, Gives, LatentUse, Making, Method, StepSize, Steps};
 use super::latent_state::{ROOT, decoder, walk};
@@ -12,20 +12,20 @@ use crate::config::values::SettingValues;
 use crate::setup::Setup;
 use crate::track::error::TrackError;
 use sinew_body::leg_turns::shows_feet;
-use sinew_body::motion_ranges::motion_ranges;
+use sinew_body::motion_ranges::{bend_ranges, motion_ranges};
 use sinew_core::beside::Beside;
 use sinew_core::combinators::{Sum, Through};
 use sinew_core::decode::Decode;
 use sinew_core::density::Lanes;
 use sinew_core::random::Stage;
 use sinew_core::within::Within;
-use sinew_dynamics::joint_limits::{JointLimits, SIGMA_RAD};
-use sinew_dynamics::joint_ranges::JointRanges;
+use sinew_dynamics::joint_limits::JointLimits;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_latent::file::StoredModel;
 use sinew_latent::latent_density::{LatentDensity, LatentPrior};
 use sinew_latent::space::Below;
 use sinew_observe::frame_likelihood::FrameLikelihood;
+use sinew_recording::body_limits::body_limits;
 use sinew_samplers::tuning;
 use sinew_tracking::decoded::Decoded;
 use sinew_tracking::hmc_filter::{Config, HmcFilter};
@@ -55,15 +55,16 @@ pub const ABOUT: About = About {
     score_beside_keypoints: Score::Bidirectional,
     particles: None,
     settings: &SETTINGS,
-    usual: || Arc::new(HmcMethod::default()),
+    usual: || Arc::new(LimitedHmc { method: HmcMethod::default(), all: false }),
     configure,
     mistake,
 };
 
-/// When limits of joints count; `AUTO`: where keypoints show no foot. Then nothing else says which way a knee bends: a thigh that is turned round with a knee that bends forward fits as well.
+/// Which limits of joints count; `AUTO`: knees and elbows, and all where keypoints show no foot. Without them a limb that hangs straight may turn about itself by half a turn and then bends
+/// backward, which fits as well. Others change the mean of an angle that is badly known near its limit, in every frame anew.
+const AUTO: &str = "auto";
 const OFF: &str = "off";
 const ON: &str = "on";
-const AUTO: &str = "auto";
 
 #[rustfmt::skip]
 const SETTINGS: [Setting; 6] = [
@@ -72,7 +73,7 @@ const SETTINGS: [Setting; 6] = [
     computed((SAMPLING, "patience", SettingKind::Count(1, 64), "N", || HmcMethod::default().0.patience.to_string(), "times the updates that chains which disagree may take; 1 for frames that take the same time (hmc)")),
     computed((SAMPLING, "burn_in", SettingKind::Count(0, 1_000_000), "N", || HmcMethod::default().0.burn_in.to_string(), "first samples of each chain that are discarded (hmc)")),
     computed((SAMPLING, "jitter", SHARE, "X", || HmcMethod::default().0.jitter.to_string(), "relative jitter of the step size (hmc)")),
-    computed((SAMPLING, "joint_limits", SettingKind::Choice(&[AUTO, OFF, ON]), "WHEN", || AUTO.into(), "soft limits of joints in the prior: off, on, or auto: where keypoints show no feet (hmc)")),
+    computed((SAMPLING, "joint_limits", SettingKind::Choice(&[AUTO, OFF, ON]), "WHEN", || AUTO.into(), "soft limits of joints in the prior: off, on, or auto: of knees and elbows, and of all where keypoints show no feet (hmc)")),
 ];
 
 fn configure(values: &SettingValues) -> Arc<dyn Method> {
@@ -86,7 +87,7 @@ fn configure(values: &SettingValues) -> Arc<dyn Method> {
     });
     match values.text("joint_limits").as_deref() {
         Some(OFF) => Arc::new(method),
-        when => Arc::new(LimitedHmc { method, always: when == Some(ON) }),
+        limits => Arc::new(LimitedHmc { method, all: limits == Some(ON) }),
     }
 }
 
@@ -175,24 +176,19 @@ impl Method for HmcMethod {
     }
 }
 
-/// The method with limits of joints as a soft factor of every frame's prior, always or where keypoints show no feet; without a latent model.
+/// The method with limits of joints as a soft factor of every frame's prior, where no latent model says what poses are like.
 #[derive(Clone, Debug, PartialEq)]
 struct LimitedHmc {
     method: HmcMethod,
-    always: bool,
+    all: bool,
 }
 
 impl LimitedHmc {
-    fn is_limited(&self, making: &Making<'_>) -> bool {
-        making.latent.is_none()
-            && (self.always
-                || !shows_feet(&making.setup.tree(), |name| making.keypoints.iter().any(|shown| shown == name)))
+    fn limits(&self, making: &Making<'_>) -> Result<Lanes<JointLimits>, TrackError> {
+        let tree = making.setup.tree();
+        let all = self.all || !shows_feet(&tree, |name| making.keypoints.iter().any(|shown| shown == name));
+        body_limits(if all { motion_ranges(&tree) } else { bend_ranges(&tree) }, making.isa).map_err(TrackError::Motion)
     }
-}
-
-fn limits(making: &Making<'_>) -> Result<Lanes<JointLimits>, Error> {
-    let ranges = JointRanges::new(motion_ranges(&making.setup.tree())).map_err(TrackError::Motion)?;
-    Ok(Lanes { leaf: JointLimits::new(&ranges, SIGMA_RAD), isa: making.isa })
 }
 
 impl Method for LimitedHmc {
@@ -205,12 +201,12 @@ impl Method for LimitedHmc {
     }
 
     fn tracker(&self, making: &Making<'_>, start: Vec<f64>) -> Result<Box<dyn Steps>, Error> {
-        if !self.is_limited(making) {
+        if making.latent.is_some() {
             return self.method.tracker(making, start);
         }
         let config = self.method.with_steps(making.setup);
         let filter = HmcFilter::new(config, making.transition.clone(), start, making.isa)?;
-        Ok(Box::new(RestrainedFilter { filter, prior: limits(making)? }))
+        Ok(Box::new(RestrainedFilter { filter, prior: self.limits(making)? }))
     }
 
     fn tuned(
@@ -220,12 +216,12 @@ impl Method for LimitedHmc {
         observed: &FrameLikelihood,
         stage: Stage,
     ) -> Result<Option<StepSize>, Error> {
-        if !self.is_limited(making) {
+        if making.latent.is_some() {
             return self.method.tuned(making, start, observed, stage);
         }
         let filter =
             HmcFilter::new(self.method.with_steps(making.setup), making.transition.clone(), start, making.isa)?;
-        let limits = limits(making)?;
+        let limits = self.limits(making)?;
         let tuned = filter.tune(&Restrained(Sum(observed, &limits)), &self.method.tuning(), stage)?;
         Ok(Some(StepSize { step_size: tuned.step_size, leapfrog_steps: tuned.leapfrog_steps }))
     }

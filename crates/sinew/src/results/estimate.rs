@@ -9,6 +9,7 @@ pub mod diagnostics;
 
 use sinew_angles::{AngleMarginal, AngleZero, JointAngles};
 use sinew_body::KinematicTree;
+use sinew_core::transition::Moments;
 use sinew_dynamics::primitives::switching::Branch;
 use sinew_observe::Camera;
 use sinew_recording::input::world_turn::WorldTurn;
@@ -148,8 +149,8 @@ pub struct FrameEstimate {
     pub mean_state: Vec<f64>,
     /// By how much the draws of what is constant move the filtered state, dimension × draws, row after row; empty without such draws.
     pub moves: Vec<f64>,
-    /// Covariance of the filtered state that errors that persist some frames add to the draws of the tracker, dimension², row after row; empty where none do.
-    pub missing: Vec<f64>,
+    /// Moments of the filtered state before what is constant moves it, as a backward pass takes them.
+    pub filtered: Moments,
     /// Marginals of the points.
     pub points: Vec<PointMarginal>,
     /// Marginals of the keypoints as the detectors see them, in the order of [`RunInfo::keypoints`]; none where that is not known apart from the points.

@@ -70,9 +70,12 @@ impl Describer {
         }
         estimate.draws = self.kept(number, begun.moved.as_ref(), posterior);
         estimate.particles = posterior.chain_stats.is_empty().then(|| particles(posterior, &begun.info));
-        estimate.missing = begun.moved.map_or_else(Vec::new, |moved| moved.missing);
-        let moments = posterior.moments(self.settings.isa);
-        Ok(self.lag.push(moments, &estimate.missing, estimate.moves.clone()).map_err(TrackError::Motion)?)
+        let drawn = posterior.moments(self.settings.isa);
+        estimate.filtered = match &self.lasting {
+            Some(lasting) => lasting.filtered(drawn).map_err(TrackError::Motion)?,
+            None => drawn,
+        };
+        Ok(self.lag.push(estimate.filtered.clone(), estimate.moves.clone()).map_err(TrackError::Motion)?)
     }
 
     /// Some draws of equal weight, moved where there is something to move them by.

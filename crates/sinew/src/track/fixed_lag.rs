@@ -17,7 +17,6 @@ use sinew_angles::fixed_lag::half_window;
 use sinew_angles::trajectory_change::{change_between, window_around};
 use sinew_body::KinematicTree;
 use sinew_core::lanes::Isa;
-use sinew_core::transition::Moments;
 use sinew_dynamics::backward_pass::{BackwardPass, FrameNumbers};
 use sinew_dynamics::smoother::{BackwardStep, Smoother};
 use std::collections::{BTreeMap, VecDeque};
@@ -72,8 +71,8 @@ impl LagWindow {
     ///
     /// # Errors
     /// A covariance that cannot be factored.
-    pub fn push(&mut self, estimate: &FrameEstimate, moments: &Moments) -> Result<Option<FrameEstimate>, Error> {
-        let row = self.shape.row(estimate, moments)?;
+    pub fn push(&mut self, estimate: &FrameEstimate) -> Result<Option<FrameEstimate>, Error> {
+        let row = self.shape.row(estimate);
         self.frames.push_back(self.filtered(row)?);
         if self.end() <= self.next + self.lag {
             return Ok(None);

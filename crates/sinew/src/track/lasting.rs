@@ -16,6 +16,9 @@ use sinew_body::{KinematicTree, point_positions_each};
 use sinew_core::combinations::add_combinations;
 use sinew_core::lanes::{Block, numbers_mut};
 use sinew_core::random::Stage;
+use sinew_core::transition::Moments;
+use sinew_dynamics::axes::along_axes;
+use sinew_dynamics::factor::positive_part;
 use sinew_dynamics::lasting_draws::LastingMoves;
 use sinew_dynamics::linearised_filter::LinearisedFilter;
 use sinew_dynamics::motion_prior::MotionPrior;
@@ -122,18 +125,27 @@ impl Lasting {
         self.filter.update(&information).map_err(TrackError::Motion)?;
         let covariance = self.filter.covariance();
         self.moves.update(&covariance, &information, pull).map_err(TrackError::Motion)?;
-        let mut missing = vec![];
         if let Some((persistence, persistent)) = &mut self.persistence {
             let whitened = whitened_rows(&found, &self.drawn.errors, &body, dof);
             persistent.update(&covariance, &information, &whitened, *persistence).map_err(TrackError::Motion)?;
-            missing = persistent.missing();
         }
         let mut moved = self.moved_from(mean, Rows { values: self.moves.moves().to_vec(), draws: self.draws }, shifts);
-        if !missing.is_empty() {
-            self.widen(&mut moved.states, &missing, *number as u32);
-            moved.missing = missing;
+        if let Some((_, persistent)) = &self.persistence {
+            self.widen(&mut moved.states, &persistent.missing(), *number as u32);
         }
         Ok(moved)
+    }
+
+    /// Moments that a backward pass takes of the frame, from its draws': their covariance along the axes of the linearised filter, and what persistent errors add to it.
+    ///
+    /// That is an estimate, as the covariance is, and their sum need not be a covariance: a direction of negative variance would grow with every step of a backward pass.
+    pub(super) fn filtered(&self, drawn: Moments) -> Result<Moments, sinew_dynamics::Error> {
+        let mut covariance = along_axes(&drawn.covariance, &self.filter.covariance(), &self.step)?;
+        if let Some((_, persistent)) = &self.persistence {
+            covariance.iter_mut().zip(persistent.missing()).for_each(|(known, missing)| *known += missing);
+            covariance = positive_part("filtered covariance", &covariance, self.step.len())?;
+        }
+        Ok(Moments { covariance, ..drawn })
     }
 
     /// Adds draws of what the filter does not know of persistent errors.
@@ -174,7 +186,6 @@ impl Lasting {
             states,
             points: Rows { values: points, draws },
             keypoints: Rows { values: keypoints, draws },
-            missing: vec![],
         }
     }
 

@@ -199,7 +199,6 @@ mod tests {
             states: Rows::new(&vec![0.0; 2 * d], 2),
             points: Rows::new(&vec![0.0; 6 * count], 2),
             keypoints: Rows::new(&[0.0; 12], 2),
-            missing: vec![],
         };
         // The second keypoint, along y, in the second draw.
         moved.keypoints.values[4].0[1] = 0.02;

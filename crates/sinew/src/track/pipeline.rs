@@ -33,9 +33,7 @@ use serde::{Deserialize, Serialize};
 use sinew_angles::fixed_lag::FixedLag;
 use sinew_angles::{AngleMarginals, AngleZero, JointAngles};
 use sinew_body::{KinematicTree, Plan};
-use sinew_core::lanes::Isa;
 use sinew_core::random::Stage;
-use sinew_core::transition::Moments;
 use sinew_dynamics::motion_prior::MotionPrior;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
@@ -199,10 +197,6 @@ impl Pipeline {
 
     pub(super) fn size(&self) -> Option<&UnknownSize> {
         self.describer.marginals.size()
-    }
-
-    pub(super) fn isa(&self) -> Isa {
-        self.settings().isa
     }
 
     pub(super) const fn settings(&self) -> &Settings {
@@ -402,10 +396,4 @@ fn some_draws(seed: u64, frame: u32, posterior: &Posterior<'_>) -> Vec<Vec<f64>>
 
 fn frame_index(number: u64) -> Result<u32, Error> {
     Ok(u32::try_from(number).map_err(|_| TrackError::FrameNumber { number })?)
-}
-
-/// Moments that a smoother takes from a frame. They are not shrunk: correlations between the angles of a limb are what keeps its end in place.
-#[must_use]
-pub fn moments(posterior: &Posterior<'_>, isa: Isa) -> Moments {
-    posterior.moments(isa)
 }

@@ -2,11 +2,9 @@
 //!
 //! Diagnostics, what was seen, filtered moments, moves of draws; a row has the same length in all frames of a run.
 
-use super::error::TrackError;
 use crate::results::estimate::{FrameEstimate, diagnostics};
 use sinew_core::transition::Moments;
 use sinew_dynamics::backward_pass::FilteredFrame;
-use sinew_dynamics::factor::positive_part;
 use sinew_dynamics::smoother::BackwardStep;
 
 /// Sizes of the rows of a run.
@@ -26,7 +24,7 @@ pub(super) struct RecordShape {
 pub(super) struct Record {
     /// Its diagnostics and what was seen.
     pub(super) estimate: FrameEstimate,
-    /// Its filtered moments, widened by what persistent errors add.
+    /// [`FrameEstimate::filtered`].
     pub(super) moments: Moments,
     /// [`FrameEstimate::moves`].
     pub(super) moves: Vec<f64>,
@@ -50,26 +48,14 @@ impl RecordShape {
         self.header() + self.dim * (self.dim + 1 + self.lasting_draws)
     }
 
-    /// The row of a frame. What persistent errors add is an estimate, as the covariance is, and their sum need not be a covariance: a direction of
-    /// negative variance would grow with every step of a backward pass.
-    ///
-    /// # Errors
-    /// A covariance without eigenvalues.
-    pub(super) fn row(self, estimate: &FrameEstimate, moments: &Moments) -> Result<Vec<f64>, TrackError> {
+    /// The row of a frame.
+    pub(super) fn row(self, estimate: &FrameEstimate) -> Vec<f64> {
         let mut row = diagnostics::numbers(estimate, self.cameras);
         row.extend(estimate.seen.as_flattened());
         row.resize(self.header(), f64::NAN);
-        row.extend(&moments.mean);
-        if estimate.missing.is_empty() {
-            row.extend(&moments.covariance);
-        } else {
-            let both = moments.covariance.iter().zip(&estimate.missing);
-            let widened: Vec<f64> = both.map(|(known, missing)| known + missing).collect();
-            row.extend(positive_part("filtered covariance", &widened, self.dim).map_err(TrackError::Motion)?);
-        }
-        row.extend(&estimate.moves);
+        row.extend(estimate.filtered.mean.iter().chain(&estimate.filtered.covariance).chain(&estimate.moves));
         row.resize(self.numbers(), 0.0);
-        Ok(row)
+        row
     }
 
     /// Diagnostics and what was seen, of the beginning of a row.

@@ -12,13 +12,17 @@ use crate::results::problem::{Problem, check_length};
 use crate::setup::measured_mistakes::mistakes;
 use crate::setup::{self, CameraSetup, Setup};
 use serde::{Deserialize, Serialize};
+use sinew_body::motion_ranges::motion_ranges;
 use sinew_body::{KinematicTree, Plan, point_positions};
+use sinew_core::density::{Lanes, LogDensity as _};
+use sinew_dynamics::joint_limits::JointLimits;
 use sinew_formats::Layout;
 use sinew_observe::association::{self, Person};
 use sinew_observe::bystanders::elsewhere;
 use sinew_observe::following::{Associated, Following, follow};
 use sinew_observe::offsets::{self, Sighted, median};
 use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
+use sinew_recording::body_limits::body_limits;
 use sinew_recording::oddities::{OddPerson, Oddities, Watched};
 use sinew_recording::predictive::{self, Doubt, Lengths, Origins, Predictive};
 use std::sync::Arc;
@@ -57,6 +61,7 @@ pub struct Shown {
 /// The tracked person in the cameras.
 pub struct Scene {
     model: KeypointModel,
+    limits: Lanes<JointLimits>,
     setup: Setup,
     cameras: Vec<Camera>,
     layout: Layout,
@@ -185,6 +190,7 @@ impl Scene {
             cameras: cameras.to_vec(),
             layout: layout.clone(),
             setup: setup.clone(),
+            limits: body_limits(motion_ranges(tree), settings.isa).map_err(TrackError::Motion)?,
             model,
         })
     }
@@ -317,7 +323,8 @@ impl Scene {
         odd.collect()
     }
 
-    /// A pose that fits what is seen clearly better than one of that misfit; the pose of the set-up counts where the person was away.
+    /// A pose that fits what is seen clearly better than one of that misfit; the pose of the set-up counts where the person was away. A limb that is turned by half a turn about itself and bends
+    /// backward fits as well, so limits of joints count, too.
     fn better_pose(&self, people: &Sighted, estimate: &[f64], away: bool, misfit: f64) -> Option<Vec<f64>> {
         let fitted = |former| setup::pose_of(&self.setup, &self.cameras, &self.layout, people, former);
         let start = &self.setup.start_pose;
@@ -326,7 +333,7 @@ impl Scene {
             .into_iter()
             .flatten()
             .filter(|pose| pose.len() == estimate.len())
-            .map(|pose| (self.misfit(&pose), pose))
+            .map(|pose| (self.misfit_within_limits(&pose), pose))
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .filter(|(better, _)| *better < 0.7 * misfit)
             .map(|(_, pose)| pose)
@@ -352,6 +359,18 @@ impl Scene {
 
     /// How badly a pose fits the keypoints of the current frame, exchanged sides put right; 0 without any.
     fn misfit(&self, state: &[f64]) -> f64 {
+        let [sum, count] = self.squares(state);
+        sum / count
+    }
+
+    /// The same with the squares of how far joints are beyond their limits.
+    fn misfit_within_limits(&self, state: &[f64]) -> f64 {
+        let [sum, count] = self.squares(state);
+        (sum - 2.0 * self.limits.log_density(state)) / count
+    }
+
+    /// Sum of squared distances of the keypoints from a pose, in noise variances, and their number, at least 1.
+    fn squares(&self, state: &[f64]) -> [f64; 2] {
         let points = self.points(state);
         let (expected, straight) = (self.expected(&points), self.model.straight(&self.frame(&points)));
         let (mut sum, mut count) = (0.0, 0.0);
@@ -363,7 +382,7 @@ impl Scene {
                 count += 1.0;
             }
         }
-        sum / f64::max(count, 1.0)
+        [sum, f64::max(count, 1.0)]
     }
 
     /// The likelihood's model.

@@ -21,7 +21,6 @@ use sinew_angles::fixed_lag::half_window;
 use sinew_angles::marginals::AngleChange;
 use sinew_angles::trajectory_change::{change_between, window_around};
 use sinew_body::KinematicTree;
-use sinew_core::transition::Moments;
 use sinew_dynamics::backward_pass::{BackwardPass, FrameNumbers, numbers_of_frame};
 use sinew_dynamics::smoother::Smoother;
 use std::collections::BTreeMap;
@@ -104,8 +103,8 @@ impl Spool {
     ///
     /// # Errors
     /// [`Error::Io`].
-    pub fn append(&mut self, estimate: &FrameEstimate, moments: &Moments) -> Result<(), Error> {
-        let record = self.shape.row(estimate, moments)?;
+    pub fn append(&mut self, estimate: &FrameEstimate) -> Result<(), Error> {
+        let record = self.shape.row(estimate);
         self.moments.write(|out| record.iter().try_for_each(|number| out.write_all(&number.to_le_bytes())))?;
         self.frames += 1;
         Ok(())

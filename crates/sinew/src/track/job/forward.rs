@@ -49,9 +49,9 @@ struct Writing<'a, 'w> {
 }
 
 impl KeepFrames for Writing<'_, '_> {
-    fn keep(&mut self, estimate: FrameEstimate, posterior: &Posterior<'_>) -> Result<(), Error> {
+    fn keep(&mut self, estimate: FrameEstimate, _: &Posterior<'_>) -> Result<(), Error> {
         let Self { keeper, watch, total } = self;
-        keeper.take(estimate, posterior, |_| ())?;
+        keeper.take(estimate, |_| ())?;
         if keeper.checkpoint.done == *total {
             (watch.progress)(RunPhase::Track, *total, *total);
         }

@@ -9,10 +9,8 @@ use crate::results::estimate::{FrameEstimate, RunInfo};
 use crate::results::{Claim, ResultFolder};
 use crate::track::checkpoint::{self, Checkpoint};
 use crate::track::fixed_lag::LagWindow;
-use crate::track::pipeline::{Pipeline, moments};
+use crate::track::pipeline::Pipeline;
 use crate::track::smooth::Spool;
-use sinew_core::lanes::Isa;
-use sinew_tracking::posterior::Posterior;
 use std::time::{Duration, Instant};
 
 /// The files of a run and its checkpoint.
@@ -20,7 +18,6 @@ pub(super) struct Keeper {
     pub(super) results: ResultFolder,
     pub(super) spool: Option<Spool>,
     window: Option<LagWindow>,
-    isa: Isa,
     pub(super) checkpoint: Checkpoint,
     every: Duration,
     kept: Instant,
@@ -59,8 +56,8 @@ impl Keeper {
         };
         let results = ResultFolder::open(claim, info, texts(&checkpoint)?, checkpoint.written.as_ref())?;
         let every = Duration::try_from_secs_f64(config.checkpoint_every).unwrap_or(Duration::MAX);
-        let (isa, kept, cost) = (pipeline.isa(), Instant::now(), Duration::ZERO);
-        Ok(Self { results, spool, window, isa, checkpoint, every, kept, cost })
+        let (kept, cost) = (Instant::now(), Duration::ZERO);
+        Ok(Self { results, spool, window, checkpoint, every, kept, cost })
     }
 
     /// Whether frames are given later than they are tracked.
@@ -69,18 +66,13 @@ impl Keeper {
     }
 
     /// Takes in a frame that was tracked, and writes what is known by now; `known` hears of it first.
-    pub(super) fn take(
-        &mut self,
-        estimate: FrameEstimate,
-        posterior: &Posterior<'_>,
-        mut known: impl FnMut(&FrameEstimate),
-    ) -> Result<(), Error> {
+    pub(super) fn take(&mut self, estimate: FrameEstimate, mut known: impl FnMut(&FrameEstimate)) -> Result<(), Error> {
         self.checkpoint.done += 1;
         if let Some(spool) = &mut self.spool {
-            return spool.append(&estimate, &moments(posterior, self.isa));
+            return spool.append(&estimate);
         }
         let given = match &mut self.window {
-            Some(window) => window.push(&estimate, &moments(posterior, self.isa))?,
+            Some(window) => window.push(&estimate)?,
             None => Some(estimate),
         };
         given.map_or(Ok(()), |estimate| {

@@ -102,10 +102,10 @@ impl KeepFrames for Answering<'_> {
         }
     }
 
-    fn keep(&mut self, estimate: FrameEstimate, posterior: &Posterior<'_>) -> Result<(), Error> {
+    fn keep(&mut self, estimate: FrameEstimate, _: &Posterior<'_>) -> Result<(), Error> {
         let Self { keeper, answers } = self;
         let is_late = keeper.is_late();
-        keeper.take(estimate, posterior, |estimate| {
+        keeper.take(estimate, |estimate| {
             if is_late {
                 answers.frame(estimate);
             }
