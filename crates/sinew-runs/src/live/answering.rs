@@ -158,9 +158,11 @@ mod tests {
         let ((open, gate), (taken, lines)) = (channel(), channel());
         let answering = Answering::begin(Gate { open: gate, taken });
         let posted = MOST + 50;
-        for number in 0..posted {
-            answering.post_at_once(number.to_string());
+        answering.post_at_once("0".into());
+        while !answering.shared.state().is_writing {
+            std::thread::yield_now();
         }
+        (1..posted).for_each(|number| answering.post_at_once(number.to_string()));
         let dropped = answering.dropped() as usize;
         (0..posted).for_each(|_| open.send(()).unwrap());
         answering.end();
