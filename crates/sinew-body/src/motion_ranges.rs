@@ -35,17 +35,17 @@ const RANGES: [(&str, [f64; 2]); 11] = [
     ("pelvis.rz", [-45.0, 45.0]),
 ];
 
-/// Coordinates that bend a limb.
-const BENDS: [&str; 2] = ["shin.rx", "forearm.rx"];
+/// Bends of limbs, which turn round where they are straight, and turns about the common axis of trunk and head, of which only sums are seen.
+const UNDECIDED: [&str; 5] = ["shin.rx", "forearm.rx", "spine.rz", "girdle.rz", "head.rz"];
 
-/// The ranges of knees and elbows alone.
+/// The ranges of what keypoints may leave undecided: bends of knees and elbows, and turns of trunk, girdle and head about their common axis.
 #[must_use]
-pub fn bend_ranges(body: &KinematicTree) -> Vec<Option<[f64; 2]>> {
-    let is_bend = |name: &String| BENDS.iter().any(|bend| name.ends_with(bend));
+pub fn undecided_ranges(body: &KinematicTree) -> Vec<Option<[f64; 2]>> {
+    let is_undecided = |name: &String| UNDECIDED.iter().any(|end| name.ends_with(end));
     motion_ranges(body)
         .into_iter()
         .zip(body.dof_names())
-        .map(|(range, name)| range.filter(|_| is_bend(&name)))
+        .map(|(range, name)| range.filter(|_| is_undecided(&name)))
         .collect()
 }
 
@@ -90,20 +90,13 @@ mod tests {
     }
 
     #[test]
-    fn knees_and_elbows_bend() {
+    fn bends_of_limbs_and_turns_of_the_trunk_may_be_undecided() {
         let body = h32(&Proportions::default());
-        let names = body.dof_names();
-        let bends: Vec<&str> = bend_ranges(&body)
-            .iter()
-            .zip(&names)
-            .filter(|(range, _)| range.is_some())
-            .map(|(_, name)| &name[2..])
-            .collect();
-        assert_eq!((bends.len(), bends.iter().filter(|bend| **bend == "shin.rx").count()), (4, 2));
-        assert_eq!(
-            bend_ranges(&body)[names.iter().position(|name| name == "l_forearm.rx").unwrap()],
-            motion_ranges(&body)[names.iter().position(|name| name == "r_forearm.rx").unwrap()]
-        );
+        let all = body.dof_names().into_iter().zip(undecided_ranges(&body));
+        let mut names: Vec<String> = all.filter_map(|(name, range)| range.map(|_| name)).collect();
+        names.sort_unstable();
+        let expected = ["girdle.rz", "head.rz", "l_forearm.rx", "l_shin.rx", "r_forearm.rx", "r_shin.rx", "spine.rz"];
+        assert_eq!(names, expected);
     }
 
     /// The larger end of each range is where the joint goes: heels to the buttocks, hands to the shoulders, toes down, soles inwards.

@@ -30,6 +30,7 @@ use answering::Answering;
 use queue::Queue;
 use reading::Reading;
 use sinew::config::track::DEFAULT_FPS;
+use sinew::config::value::Value;
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::live::LiveCameras;
 use sinew::results::estimate::{FrameEstimate, RunInfo};
@@ -59,11 +60,15 @@ pub struct LiveRequest {
     pub settings_file: Option<PathBuf>,
 }
 
+/// Times the updates that chains which disagree take, where the settings do not say: the next frames must not wait.
+const PATIENCE: u64 = 1;
+
 /// Tracks frames as they come into the folder of the settings.
 ///
 /// # Errors
 /// [`Error`], with what was done kept in the folder where anything was.
 pub fn track(resolved: &Resolved, request: LiveRequest, listener: &dyn Listener) -> Result<Outcome, Error> {
+    let resolved = &resolved.clone().with_default("patience", Value::Count(PATIENCE));
     let config = resolved.track();
     let LiveRequest { place, standard, setup_s, settings_file } = request;
     let calibration = check(resolved, &config)?;

@@ -107,7 +107,8 @@ fn live_results_are_those_from_files() {
     for lag in [0, 3] {
         let lag_frames = format!("--lag-frames={lag}");
         let (from_files, live) = (format!("files{lag}"), format!("live{lag}"));
-        let same = ["--setup", "setup.toml", lag_frames.as_str(), "-o"];
+        // The patience of live runs.
+        let same = ["--setup", "setup.toml", "--patience=1", lag_frames.as_str(), "-o"];
         assert!(trial.track(&[&same[..], &[from_files.as_str()]].concat()).status.success());
         let mut running = Running::begun(&trial, &[&same[..], &[live.as_str()]].concat());
         let mut answered = vec![];
@@ -137,7 +138,7 @@ fn live_results_are_those_from_files() {
 #[test]
 fn a_set_up_of_the_first_frames_is_that_of_the_same_frames_in_files() {
     let trial = trial(1.0);
-    let from_files = trial.track(&["--setup-frames", "0..24", "--frames", "24..30", "-ofiles"]);
+    let from_files = trial.track(&["--setup-frames", "0..24", "--frames", "24..30", "--patience=1", "-ofiles"]);
     assert!(from_files.status.success(), "{}", trial.printed(&from_files));
     let mut running = Running::begun(&trial, &["--setup-seconds", "0.8", "-olive"]);
     for frame in 0..24 {

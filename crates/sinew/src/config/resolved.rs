@@ -282,6 +282,15 @@ impl Resolved {
         self.values.is_given(key)
     }
 
+    /// The same with another default of a setting.
+    #[must_use]
+    pub fn with_default(mut self, key: &'static str, value: Value) -> Self {
+        if !self.is_given(key) {
+            self.values.of.insert(key, (value, Origin::Default));
+        }
+        self
+    }
+
     /// Value of a setting.
     #[must_use]
     pub fn get(&self, key: &str) -> Option<&Value> {

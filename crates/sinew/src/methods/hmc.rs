@@ -12,7 +12,7 @@ use crate::config::values::SettingValues;
 use crate::setup::Setup;
 use crate::track::error::TrackError;
 use sinew_body::leg_turns::shows_feet;
-use sinew_body::motion_ranges::{bend_ranges, motion_ranges};
+use sinew_body::motion_ranges::{motion_ranges, undecided_ranges};
 use sinew_core::beside::Beside;
 use sinew_core::combinators::{Sum, Through};
 use sinew_core::decode::Decode;
@@ -60,8 +60,8 @@ pub const ABOUT: About = About {
     mistake,
 };
 
-/// Which limits of joints count; `AUTO`: knees and elbows, and all where keypoints show no foot. Without them a limb that hangs straight may turn about itself by half a turn and then bends
-/// backward, which fits as well. Others change the mean of an angle that is badly known near its limit, in every frame anew.
+/// Which limits of joints count; `AUTO`: those of what keypoints leave undecided ([`undecided_ranges`]), and all where keypoints show no foot. Without them a limb that hangs straight may turn about itself by
+/// half a turn and then bends backward, which fits as well. Others change the mean of an angle that is badly known near its limit, in every frame anew.
 const AUTO: &str = "auto";
 const OFF: &str = "off";
 const ON: &str = "on";
@@ -73,7 +73,7 @@ const SETTINGS: [Setting; 6] = [
     computed((SAMPLING, "patience", SettingKind::Count(1, 64), "N", || HmcMethod::default().0.patience.to_string(), "times the updates that chains which disagree may take; 1 for frames that take the same time (hmc)")),
     computed((SAMPLING, "burn_in", SettingKind::Count(0, 1_000_000), "N", || HmcMethod::default().0.burn_in.to_string(), "first samples of each chain that are discarded (hmc)")),
     computed((SAMPLING, "jitter", SHARE, "X", || HmcMethod::default().0.jitter.to_string(), "relative jitter of the step size (hmc)")),
-    computed((SAMPLING, "joint_limits", SettingKind::Choice(&[AUTO, OFF, ON]), "WHEN", || AUTO.into(), "soft limits of joints in the prior: off, on, or auto: of knees and elbows, and of all where keypoints show no feet (hmc)")),
+    computed((SAMPLING, "joint_limits", SettingKind::Choice(&[AUTO, OFF, ON]), "WHEN", || AUTO.into(), "soft limits of joints in the prior: off, on, or auto: of knees, elbows, turns of trunk and head, and of all where keypoints show no feet (hmc)")),
 ];
 
 fn configure(values: &SettingValues) -> Arc<dyn Method> {
@@ -187,7 +187,8 @@ impl LimitedHmc {
     fn limits(&self, making: &Making<'_>) -> Result<Lanes<JointLimits>, TrackError> {
         let tree = making.setup.tree();
         let all = self.all || !shows_feet(&tree, |name| making.keypoints.iter().any(|shown| shown == name));
-        body_limits(if all { motion_ranges(&tree) } else { bend_ranges(&tree) }, making.isa).map_err(TrackError::Motion)
+        body_limits(if all { motion_ranges(&tree) } else { undecided_ranges(&tree) }, making.isa)
+            .map_err(TrackError::Motion)
     }
 }
 
