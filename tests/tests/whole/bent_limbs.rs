@@ -1,4 +1,4 @@
-//! Limbs bend the way that joints do, where a straight limb shows nothing of how it is turned about itself.
+//! Limbs bend the way that joints do after hanging straight, where nothing shows how they are turned.
 
 use sinew::config::settings::Settings;
 use sinew::core::random::Stage;

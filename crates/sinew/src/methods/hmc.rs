@@ -60,8 +60,8 @@ pub const ABOUT: About = About {
     mistake,
 };
 
-/// Which limits of joints count; `AUTO`: those of what keypoints leave undecided ([`undecided_ranges`]), and all where keypoints show no foot. Without them a limb that hangs straight may turn about itself by
-/// half a turn and then bends backward, which fits as well. Others change the mean of an angle that is badly known near its limit, in every frame anew.
+/// Which limits of joints count; `AUTO`: limits of what keypoints leave undecided ([`undecided_ranges`]), and all where keypoints show no foot. Without them a limb that hangs straight may turn about itself by
+/// half a turn and then bends backward, which fits as well. Others change the mean of an angle that is badly known near its limit, in every frame again.
 const AUTO: &str = "auto";
 const OFF: &str = "off";
 const ON: &str = "on";
