@@ -106,7 +106,10 @@ pub fn within_half_a_turn(tree: &KinematicTree, pose: &[f64], other: &[f64]) -> 
 }
 
 fn turned(tree: &KinematicTree, pose: Vec<f64>, other: Option<&[f64]>) -> Vec<f64> {
-    other.map_or_else(|| pose.clone(), |other| within_half_a_turn(tree, &pose, other))
+    match other {
+        Some(other) => within_half_a_turn(tree, &pose, other),
+        None => pose,
+    }
 }
 
 /// Largest side of the box around the measured points, metres.

@@ -42,8 +42,8 @@ fn places(tree: &KinematicTree, layout: &Layout) -> Vec<Option<usize>> {
     tree.points().iter().map(|p| layout.index(&p.name)).collect()
 }
 
-/// The same where sides of limbs were put right by what they did in neighbouring frames, which may be a mistake: from a former pose, afresh, or as the sides are named, whichever fits best within
-/// the limits of joints.
+/// As [`pose_of`] where sides of limbs were put right by what they did in neighbouring frames, which may be a mistake: from a former pose, afresh, or as the sides are named, whichever fits best
+/// within the limits of joints.
 #[must_use]
 pub(super) fn straight_pose_of(
     setup: &Setup,
