@@ -145,3 +145,30 @@ pub(super) fn middle(body: &Neighbours, frames: &[Looked], otherwise: &[f64]) ->
     }
     sum.map(|sum| sum / count)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_body::Proportions;
+    use sinew_body::standard::h32;
+    use sinew_formats::layout;
+
+    /// Somebody whose left side is on the left in ten frames, and after a gap on the right in ten others. As one run the sides look exchanged.
+    #[test]
+    fn sides_of_limbs_are_not_carried_over_a_gap() {
+        let (tree, layout) = (h32(&Proportions::default()), layout::find("BODY_25B").unwrap());
+        let frame = |number: u64| {
+            let mut view: Vec<Option<Detection>> = vec![None; layout.points.len()];
+            let [near, far] = if number < 10 { [100.0, 300.0] } else { [300.0, 100.0] };
+            for (row, (left, right)) in layout.left_right_pairs().into_iter().enumerate() {
+                let at = |u: f64| Some(Detection::new([u, 20.0 * row as f64], 0.9));
+                (view[left], view[right]) = (at(near), at(far));
+            }
+            (if number < 10 { number } else { number + 20 }, vec![view], vec![])
+        };
+        let frames: Vec<_> = (0..20).map(frame).collect();
+        let seen: Vec<Sighted> = frames.iter().map(|(_, sighted, _)| sighted.clone()).collect();
+        assert_eq!(straight_runs(&frames, 2, &tree, &layout), seen);
+        assert_ne!(straight_runs(&frames, 30, &tree, &layout), seen);
+    }
+}
