@@ -2,6 +2,10 @@
 //!
 //! A test can let any of them fail.
 
+mod memory_first;
+
+pub use memory_first::MemoryFirst;
+
 use std::fs;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;
@@ -22,7 +26,7 @@ impl StoredFile for fs::File {
 }
 
 /// A place for files.
-pub trait Storage: Send + Sync {
+pub trait Storage: std::fmt::Debug + Send + Sync {
     /// Creates a folder and those above it.
     ///
     /// # Errors
@@ -47,6 +51,9 @@ pub trait Storage: Send + Sync {
     /// Errors of the system.
     fn read(&self, path: &Path) -> io::Result<Box<dyn Read>>;
 
+    /// Whether there is a file or folder.
+    fn exists(&self, path: &Path) -> bool;
+
     /// Hands a written and closed file, or the names in a folder, to the disk and waits for it.
     ///
     /// # Errors
@@ -64,6 +71,11 @@ pub trait Storage: Send + Sync {
     /// # Errors
     /// Errors of the system.
     fn remove(&self, path: &Path) -> io::Result<()>;
+
+    /// Whether nothing that is stopped here is ever continued.
+    fn is_temporary(&self) -> bool {
+        false
+    }
 }
 
 /// The file system.
@@ -90,6 +102,10 @@ impl Storage for Disk {
         Ok(Box::new(io::BufReader::new(fs::File::open(path)?)))
     }
 
+    fn exists(&self, path: &Path) -> bool {
+        path.exists()
+    }
+
     fn sync(&self, path: &Path) -> io::Result<()> {
         match path.as_os_str().is_empty() || path.is_dir() {
             true => sync_folder(path),
@@ -114,14 +130,14 @@ impl Storage for Disk {
     }
 }
 
-/// The file system without waiting for the disk: for results that are copied to where they stay.
+/// The file system without waiting for the disk: whoever keeps what was written waits for all of it at once ([`sync_below`]).
 #[derive(Clone, Copy, Debug, Default)]
-pub struct ScratchDisk;
+pub struct UnsyncedDisk;
 
 /// A file that is never waited for.
-struct ScratchFile(fs::File);
+struct UnsyncedFile(Box<dyn StoredFile>);
 
-impl Write for ScratchFile {
+impl Write for UnsyncedFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.0.write(bytes)
     }
@@ -130,30 +146,33 @@ impl Write for ScratchFile {
     }
 }
 
-impl Seek for ScratchFile {
+impl Seek for UnsyncedFile {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         self.0.seek(to)
     }
 }
 
-impl StoredFile for ScratchFile {
+impl StoredFile for UnsyncedFile {
     fn sync(&mut self) -> io::Result<()> {
         self.0.flush()
     }
 }
 
-impl Storage for ScratchDisk {
+impl Storage for UnsyncedDisk {
     fn create_folder(&self, path: &Path) -> io::Result<()> {
         Disk.create_folder(path)
     }
     fn create(&self, path: &Path) -> io::Result<Box<dyn StoredFile>> {
-        Ok(Box::new(ScratchFile(fs::File::create(path)?)))
+        Ok(Box::new(UnsyncedFile(Disk.create(path)?)))
     }
     fn resume(&self, path: &Path, length: u64) -> io::Result<Box<dyn StoredFile>> {
-        Disk.resume(path, length)
+        Ok(Box::new(UnsyncedFile(Disk.resume(path, length)?)))
     }
     fn read(&self, path: &Path) -> io::Result<Box<dyn Read>> {
         Disk.read(path)
+    }
+    fn exists(&self, path: &Path) -> bool {
+        Disk.exists(path)
     }
     fn sync(&self, _: &Path) -> io::Result<()> {
         Ok(())
@@ -164,6 +183,28 @@ impl Storage for ScratchDisk {
     fn remove(&self, path: &Path) -> io::Result<()> {
         Disk.remove(path)
     }
+}
+
+/// Waits until everything on the file system of a folder is on the disk: for many small files a tenth of the time of waiting for each.
+///
+/// # Errors
+/// Errors of the system, also of files that were written before.
+#[cfg(target_os = "linux")]
+pub fn sync_below(folder: &Path) -> io::Result<()> {
+    Ok(rustix::fs::syncfs(fs::File::open(folder)?)?)
+}
+
+/// Waits until everything below a folder is on the disk.
+///
+/// # Errors
+/// Errors of the system.
+#[cfg(not(target_os = "linux"))]
+pub fn sync_below(folder: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() { sync_below(&path)? } else { Disk.sync(&path)? }
+    }
+    sync_folder(folder)
 }
 
 /// A name is safe when its folder is synced; "" is the present folder.

@@ -14,12 +14,14 @@
 mod angle_draws;
 pub mod gather;
 mod group_statistics;
+mod keeping;
 pub mod ledger;
 mod packed;
 mod page;
 pub mod plan;
 mod pooled_setup;
 pub mod run;
+mod scratch;
 pub mod shard;
 mod submit;
 pub mod trial_table;

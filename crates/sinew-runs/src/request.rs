@@ -5,7 +5,7 @@ use super::listener::Listener;
 use super::page;
 use sinew::config::Resolved;
 use sinew::results::people::PeopleSummary;
-use sinew::results::{Disk, ScratchDisk, Storage};
+use sinew::results::{Disk, Storage};
 use sinew::track::job::Outcome;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,8 +19,8 @@ pub struct Request {
     pub page: bool,
     /// Write the calibration as the set-up refined it.
     pub write_calibration: Option<PathBuf>,
-    /// Do not wait for the disk: results are copied to where they stay.
-    pub scratch: bool,
+    /// Where files are kept; on the disk, each waited for, if `None`.
+    pub storage: Option<Arc<dyn Storage>>,
     /// File of settings that was named, which the run must not replace.
     pub settings_file: Option<PathBuf>,
 }
@@ -28,7 +28,7 @@ pub struct Request {
 impl Request {
     /// Where files are kept.
     pub(crate) fn storage(&self) -> Arc<dyn Storage> {
-        if self.scratch { Arc::new(ScratchDisk) } else { Arc::new(Disk) }
+        self.storage.clone().unwrap_or_else(|| Arc::new(Disk))
     }
 }
 

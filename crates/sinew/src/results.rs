@@ -38,6 +38,6 @@ pub(crate) use partial::{PartialFile, Place};
 pub use sinew_recording::input::world_turn::WorldTurn;
 pub use sinew_recording::posed_body::{Pose, pose, t_pose};
 pub use sinew_recording::silhouette_overlap::SilhouetteOverlap;
-pub use sinew_recording::storage::{Disk, ScratchDisk, Storage, StoredFile};
+pub use sinew_recording::storage::{Disk, MemoryFirst, Storage, StoredFile, UnsyncedDisk, sync_below};
 pub use summary::{AnglesSummary, CameraSummary, Diagnostics, Ending, Limits, Summary};
 pub use texts::Texts;

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The disk, until a counter runs out.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 struct Failing(Arc<AtomicUsize>);
 
 impl Failing {
@@ -70,6 +70,9 @@ impl Storage for Failing {
     fn read(&self, path: &Path) -> io::Result<Box<dyn io::Read>> {
         self.step()?;
         Disk.read(path)
+    }
+    fn exists(&self, path: &Path) -> bool {
+        Disk.exists(path)
     }
     fn sync(&self, _: &Path) -> io::Result<()> {
         self.step()

@@ -6,13 +6,14 @@
 use crate::Error;
 use serde_json::Value;
 use sinew::angles::{AngleDraws, Convention, JointAngles};
-use sinew::files::read_text;
-use sinew::formats::source_text::{MAX_CONFIG_BYTES, MAX_TEXT_BYTES};
-use sinew::results::stored_array::stored_array;
-use sinew::results::write_whole;
+use sinew::body::KinematicTree;
+use sinew::files::read_stored;
+use sinew::formats::source_text::{MAX_CONFIG_BYTES, MAX_TEXT_BYTES, decode};
+use sinew::results::Storage;
+use sinew::results::stored_array::stored_array_in;
 use sinew::setup::Setup;
 use std::fmt::Write as _;
-use std::fs;
+use std::io::Write as _;
 use std::path::Path;
 
 /// Name of the table in a result folder.
@@ -30,14 +31,16 @@ pub(super) struct AngleOverTime {
     pub(super) range_deg: Vec<f64>,
 }
 
-/// Writes the table of a result folder of one person; none where there are no draws, or where a standing trial is the zero.
-///
-/// Nothing waits for the disk in a scratch folder.
+/// Writes the table of a result folder of one person, of a body that is known or that its set-up has; none where there are no draws, or where a standing trial is the zero. Nothing waits for the disk.
 ///
 /// # Errors
 /// Files of the folder that cannot be read, and of the disk.
-pub(super) fn write_angle_draws(folder: &Path, is_scratch: bool) -> Result<(), Error> {
-    let Some(angles) = angles_over_time(folder)? else { return Ok(()) };
+pub(super) fn write_angle_draws(
+    storage: &dyn Storage,
+    folder: &Path,
+    body: Option<&KinematicTree>,
+) -> Result<(), Error> {
+    let Some(angles) = angles_over_time(storage, folder, body)? else { return Ok(()) };
     let mut text = HEADS.to_owned();
     for (name, AngleOverTime { mean_deg, range_deg }) in &angles {
         for (draw, mean) in mean_deg.iter().enumerate() {
@@ -46,23 +49,32 @@ pub(super) fn write_angle_draws(folder: &Path, is_scratch: bool) -> Result<(), E
         }
     }
     let path = folder.join(ANGLE_DRAWS);
-    match is_scratch {
-        true => fs::write(&path, text).map_err(sinew::Error::io("write", path))?,
-        false => write_whole(&path, text.as_bytes())?,
-    }
-    Ok(())
+    let written = storage.create(&path).and_then(|mut file| file.write_all(text.as_bytes()));
+    Ok(written.map_err(sinew::Error::io("write", path))?)
 }
 
-fn angles_over_time(folder: &Path) -> Result<Option<Vec<(String, AngleOverTime)>>, Error> {
-    let summary: Value =
-        serde_json::from_str(&read_text(&folder.join("summary.json"), MAX_TEXT_BYTES)?).unwrap_or_default();
+/// The body of a result folder.
+fn stored_body(storage: &dyn Storage, folder: &Path) -> Result<KinematicTree, Error> {
+    let path = folder.join("setup.toml");
+    let name = path.display().to_string();
+    let bytes = read_stored(storage, &path, MAX_CONFIG_BYTES)?;
+    let text = decode(&name, &bytes, MAX_CONFIG_BYTES).map_err(sinew::Error::from)?;
+    Ok(Setup::from_toml(&name, text)?.tree())
+}
+
+fn angles_over_time(
+    storage: &dyn Storage,
+    folder: &Path,
+    body: Option<&KinematicTree>,
+) -> Result<Option<Vec<(String, AngleOverTime)>>, Error> {
+    let summary = read_stored(storage, &folder.join("summary.json"), MAX_TEXT_BYTES)?;
+    let summary: Value = serde_json::from_slice(&summary).unwrap_or_default();
     let convention = summary["angles"]["convention"].as_str().and_then(Convention::named);
     let has_zero = summary["settings"].get("static").is_some();
     let (Some(convention), false) = (convention, has_zero) else { return Ok(None) };
-    let path = folder.join("setup.toml");
-    let setup = Setup::from_toml(&path.display().to_string(), &read_text(&path, MAX_CONFIG_BYTES)?)?;
-    let array = stored_array(folder, "posterior/angle")?;
-    let Some(draws) = array.and_then(|array| AngleDraws::new(setup.tree(), &array.shape, array.values)) else {
+    let body = body.cloned().map_or_else(|| stored_body(storage, folder), Ok)?;
+    let array = stored_array_in(storage, folder, "posterior/angle")?;
+    let Some(draws) = array.and_then(|array| AngleDraws::new(body, &array.shape, array.values)) else {
         return Ok(None);
     };
     let is_smoothed = summary["kind"] == "smoothed";

@@ -1,4 +1,4 @@
-//! What became of the tasks of a study: one line each, on the disk before the next task begins.
+//! What became of the tasks of a study: one line each, behind results that are on the disk.
 //!
 //! Each shard writes a file of its own; a line that a kill cut short is none.
 
@@ -59,6 +59,9 @@ pub struct EndedTask {
     pub seconds: f64,
     /// Seconds of set-up and tracking.
     pub computing_s: f64,
+    /// Which run of the study it ended in: each that begins has a number above those before.
+    #[serde(default)]
+    pub run: u64,
     /// When it ended, seconds since 1970.
     pub at_unix_s: f64,
     /// Where its results are, if they are not in a folder of their own.
@@ -96,18 +99,18 @@ impl Ledger {
         Ok(Self { file, path })
     }
 
-    /// Adds a line, and waits until it is on the disk.
+    /// Adds lines, and waits until they are on the disk.
     ///
     /// # Errors
     /// Errors of the disk.
-    pub fn add(&mut self, task: &EndedTask) -> Result<(), Error> {
-        let line = serde_json::to_string(task).unwrap_or_default() + "\n";
-        let written = self.file.write_all(line.as_bytes()).and_then(|()| self.file.sync_data());
+    pub fn add<'a>(&mut self, tasks: impl Iterator<Item = &'a EndedTask>) -> Result<(), Error> {
+        let lines: String = tasks.map(|task| serde_json::to_string(task).unwrap_or_default() + "\n").collect();
+        let written = self.file.write_all(lines.as_bytes()).and_then(|()| self.file.sync_data());
         Ok(written.map_err(sinew::Error::io("write", &self.path))?)
     }
 }
 
-/// The last word on every trial of a study: of several lines the latest.
+/// The last word on every trial of a study: of several lines that of the last run, and of one run the last.
 ///
 /// # Errors
 /// A ledger that cannot be read.
@@ -119,7 +122,7 @@ pub fn ended(study: &Path) -> Result<HashMap<String, EndedTask>, Error> {
     for path in files.iter().filter(|path| path.extension().is_some_and(|e| e == "jsonl")) {
         let text = read_text(path, MAX_BYTES).map_err(sinew::Error::from)?;
         for task in text.lines().filter_map(|line| serde_json::from_str::<EndedTask>(line).ok()) {
-            if all.get(&task.trial).is_none_or(|known| known.at_unix_s <= task.at_unix_s) {
+            if all.get(&task.trial).is_none_or(|known| known.run <= task.run) {
                 all.insert(task.trial.clone(), task);
             }
         }
@@ -139,10 +142,15 @@ impl EndedTask {
 mod tests {
     use super::*;
 
-    fn task(trial: &str, hash: &str, ended: TaskEnd, at_unix_s: f64) -> EndedTask {
+    /// A line of a run that ended `at_unix_s`, by a clock that may be wrong.
+    fn task(trial: &str, hash: &str, ended: TaskEnd, (run, at_unix_s): (u64, f64)) -> EndedTask {
         let (trial, hash) = (trial.to_owned(), hash.to_owned());
         let (seconds, computing_s, why, packed) = (1.0, 0.5, String::new(), None);
-        EndedTask { trial, hash, ended, code: 0, why, seconds, computing_s, at_unix_s, packed }
+        EndedTask { trial, hash, ended, code: 0, why, seconds, computing_s, run, at_unix_s, packed }
+    }
+
+    fn add(ledger: &mut Ledger, lines: &[EndedTask]) {
+        ledger.add(lines.iter()).unwrap();
     }
 
     #[test]
@@ -150,11 +158,10 @@ mod tests {
         let study = tempfile::tempdir().unwrap();
         let shard = |index| Shard { index, count: 2 };
         let mut second = Ledger::open(study.path(), shard(1)).unwrap();
-        second.add(&task("a", "old", TaskEnd::Done, 1.0)).unwrap();
+        add(&mut second, &[task("a", "old", TaskEnd::Done, (1, 9.0))]);
         drop(second);
         let mut first = Ledger::open(study.path(), shard(0)).unwrap();
-        first.add(&task("a", "new", TaskEnd::Failed, 3.0)).unwrap();
-        first.add(&task("b", "x", TaskEnd::Doubtful, 2.0)).unwrap();
+        add(&mut first, &[task("a", "new", TaskEnd::Failed, (2, 3.0)), task("b", "x", TaskEnd::Doubtful, (2, 2.0))]);
         let path = study.path().join("ended/1-of-2.jsonl");
         let mut cut = fs::read(&path).unwrap();
         cut.extend_from_slice(br#"{"trial":"b","ha"#);
@@ -162,7 +169,7 @@ mod tests {
         let all = ended(study.path()).unwrap();
         assert_eq!((all["a"].hash.as_str(), all["a"].ended), ("new", TaskEnd::Failed));
         assert_eq!(all["b"].ended, TaskEnd::Doubtful);
-        Ledger::open(study.path(), shard(1)).unwrap().add(&task("b", "x", TaskEnd::Done, 4.0)).unwrap();
+        add(&mut Ledger::open(study.path(), shard(1)).unwrap(), &[task("b", "x", TaskEnd::Done, (3, 1.0))]);
         assert_eq!(ended(study.path()).unwrap()["b"].ended, TaskEnd::Done);
     }
 

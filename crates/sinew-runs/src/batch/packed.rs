@@ -3,24 +3,30 @@
 //! The archive is a tar file that holds the files of the trials one after the other; the ledger says where each begins. What a kill left behind the last whole trial is cut off.
 
 use super::ledger::{EndedTask, Packed, ended};
+use super::scratch::Scratch;
 use super::shard::Shard;
 use crate::Error;
 use std::fs::{self, File};
-use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
+use std::io::{BufWriter, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
 
 /// Folder of the archives in a study.
 const ARCHIVES: &str = "results";
 
 /// Two empty blocks, with which a tar file ends.
-const END: [u8; 1024] = [0; 1024];
+const END_BYTES: u64 = 1024;
+
+/// When every packed file was changed, whatever the clock says: 2026. Some programs take 0 for no time.
+const MODIFIED_UNIX_S: u64 = 1_767_225_600;
+
+/// Bytes that are written at once.
+const BUFFER: usize = 1 << 18;
 
 /// The archive of a shard.
 pub(super) struct Archive {
     name: String,
     path: PathBuf,
-    file: Mutex<File>,
+    file: File,
 }
 
 impl Archive {
@@ -42,49 +48,53 @@ impl Archive {
         let own = known.filter_map(|task| task.packed.as_ref()).filter(|packed| packed.archive == name);
         let end = own.map(|packed| packed.offset + packed.length).max().unwrap_or(0);
         file.set_len(end).map_err(failed)?;
-        Ok(Self { name, path, file: Mutex::new(file) })
+        Ok(Self { name, path, file })
     }
 
-    /// Appends a folder under the name of its trial, and waits until it is on the disk.
+    /// Appends results under the name of their trial.
     ///
     /// # Errors
     /// Errors of the disk; the archive is then as it was.
-    pub(super) fn append(&self, trial: &str, folder: &Path) -> Result<Packed, Error> {
-        let failed = |error| sinew::Error::io("write", &self.path)(error);
-        let mut bytes = tar::Builder::new(vec![]);
-        bytes.mode(tar::HeaderMode::Deterministic);
-        for path in files_below(folder)? {
-            let inside = path.strip_prefix(folder).unwrap_or(&path);
-            bytes
-                .append_path_with_name(&path, Path::new(trial).join(inside))
-                .map_err(sinew::Error::io("read", &path))?;
+    pub(super) fn append(&mut self, trial: &str, results: &Scratch) -> Result<Packed, Error> {
+        let path = self.path.clone();
+        let failed = |error| sinew::Error::io("write", &path)(error);
+        let offset = self.file.seek(SeekFrom::End(0)).map_err(failed)?;
+        match self.write(trial, results) {
+            Ok(end) => Ok(Packed { archive: self.name.clone(), offset, length: end - offset }),
+            Err(error) => {
+                // What was written of it would stand before the next trial.
+                self.file.set_len(offset).map_err(failed)?;
+                Err(error)
+            }
         }
-        let mut bytes = bytes.into_inner().map_err(failed)?;
-        bytes.truncate(bytes.len() - END.len());
-        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        let offset = file.metadata().map_err(failed)?.len();
-        let written =
-            file.seek(SeekFrom::Start(offset)).and_then(|_| file.write_all(&bytes)).and_then(|()| file.sync_data());
-        if let Err(error) = written {
-            // What was written of it would stand before the next trial.
-            file.set_len(offset).map_err(failed)?;
-            return Err(failed(error).into());
-        }
-        Ok(Packed { archive: self.name.clone(), offset, length: bytes.len() as u64 })
     }
-}
 
-/// Files below a folder, by name.
-fn files_below(folder: &Path) -> Result<Vec<PathBuf>, Error> {
-    let failed = |error| sinew::Error::io("read", folder)(error);
-    let mut entries: Vec<PathBuf> =
-        fs::read_dir(folder).and_then(|entries| entries.map(|e| Ok(e?.path())).collect()).map_err(failed)?;
-    entries.sort();
-    let mut files = vec![];
-    for entry in entries {
-        if entry.is_dir() { files.extend(files_below(&entry)?) } else { files.push(entry) }
+    /// Writes results behind what is there; gives the place of their end.
+    fn write(&mut self, trial: &str, results: &Scratch) -> Result<u64, Error> {
+        let failed = |error| sinew::Error::io("write", &self.path)(error);
+        let mut out = tar::Builder::new(BufWriter::with_capacity(BUFFER, &mut self.file));
+        for path in results.files()? {
+            let inside = path.strip_prefix(results.folder()).unwrap_or(&path);
+            let (length, content) = results.open(&path).map_err(sinew::Error::io("read", &path))?;
+            let mut header = tar::Header::new_gnu();
+            header.set_size(length);
+            header.set_mode(0o644);
+            header.set_mtime(MODIFIED_UNIX_S);
+            out.append_data(&mut header, Path::new(trial).join(inside), content).map_err(failed)?;
+        }
+        let end = out.into_inner().and_then(|mut out| out.flush()).and_then(|()| self.file.stream_position());
+        let end = end.map_err(failed)? - END_BYTES;
+        self.file.set_len(end).map_err(failed)?;
+        Ok(end)
     }
-    Ok(files)
+
+    /// Waits until all that was appended is on the disk.
+    ///
+    /// # Errors
+    /// Errors of the disk.
+    pub(super) fn sync(&self) -> Result<(), Error> {
+        Ok(self.file.sync_data().map_err(sinew::Error::io("write", &self.path))?)
+    }
 }
 
 /// Takes the results of a trial out of its archive: the files that are wanted, with what they hold.
@@ -136,6 +146,7 @@ pub fn unpack(study: &Path, trial: &str, out: &Path) -> Result<(), Error> {
 mod tests {
     use super::super::ledger::TaskEnd;
     use super::*;
+    use sinew::results::Storage as _;
 
     fn line(packed: Packed) -> EndedTask {
         EndedTask {
@@ -146,6 +157,7 @@ mod tests {
             why: String::new(),
             seconds: 0.0,
             computing_s: 0.0,
+            run: 1,
             at_unix_s: 0.0,
             packed: Some(packed),
         }
@@ -154,26 +166,31 @@ mod tests {
     #[test]
     fn packed_files_come_out_also_after_a_kill() {
         let root = tempfile::tempdir().unwrap();
-        let folder = root.path().join("scratch");
-        fs::create_dir_all(folder.join("b/c")).unwrap();
-        fs::write(folder.join("a.csv"), "first").unwrap();
-        fs::write(folder.join("b/c/0"), [7; 1000]).unwrap();
+        let results = Scratch::new("packed_files_come_out").unwrap();
+        let write = |name: &str, bytes: &[u8]| {
+            let mut file = results.storage().create(&results.folder().join(name)).unwrap();
+            file.write_all(bytes).unwrap();
+        };
+        write("a.csv", b"first");
+        write("b/c/0", &[7; 1000]);
+        fs::write(results.folder().join("disk.csv"), "on the disk").unwrap();
         let study = root.path().join("study");
-        let archive = Archive::open(&study, Shard::WHOLE, std::iter::empty()).unwrap();
-        let first = line(archive.append("S1/walk", &folder).unwrap());
-        archive.append("S1/lost", &folder).unwrap();
+        let mut archive = Archive::open(&study, Shard::WHOLE, std::iter::empty()).unwrap();
+        let first = line(archive.append("S1/walk", &results).unwrap());
+        archive.append("S1/lost", &results).unwrap();
         drop(archive);
-        fs::write(folder.join("a.csv"), "second").unwrap();
-        let archive = Archive::open(&study, Shard::WHOLE, std::iter::once(&first)).unwrap();
-        let second = archive.append("S1/run", &folder).unwrap();
+        write("a.csv", b"second");
+        let mut archive = Archive::open(&study, Shard::WHOLE, std::iter::once(&first)).unwrap();
+        let second = archive.append("S1/run", &results).unwrap();
         let first = first.packed.unwrap();
         assert_eq!(second.offset, first.length);
         let text = |packed: &Packed, name: &str| unpacked(&study, packed, |file| file == name).unwrap();
         assert_eq!(text(&first, "S1/walk/a.csv"), [("S1/walk/a.csv".to_owned(), b"first".to_vec())]);
         assert_eq!(text(&second, "S1/run/a.csv")[0].1, b"second");
-        assert_eq!(unpacked(&study, &second, |_| true).unwrap().len(), 2);
+        assert_eq!(text(&second, "S1/run/disk.csv")[0].1, b"on the disk");
+        assert_eq!(unpacked(&study, &second, |_| true).unwrap().len(), 3);
         // Any program that knows tar files reads the whole.
         let whole = fs::File::open(study.join(&first.archive)).unwrap();
-        assert_eq!(tar::Archive::new(whole).entries().unwrap().filter(Result::is_ok).count(), 4);
+        assert_eq!(tar::Archive::new(whole).entries().unwrap().filter(Result::is_ok).count(), 6);
     }
 }

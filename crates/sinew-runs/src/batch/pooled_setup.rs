@@ -12,8 +12,9 @@ use sinew::input::footage::Footage;
 use sinew::input::one_after_another::OneAfterAnother;
 use sinew::observe::association;
 use sinew::results::write_whole;
+use sinew::setup::KnownSetup;
 use sinew::track::job::{self, Watch};
-use std::collections::HashMap;
+use std::collections::{HashMap, VecDeque};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -27,14 +28,24 @@ pub(super) struct PooledSetups {
     /// Where this shard writes before it renames.
     own: PathBuf,
     being_made: Mutex<HashMap<String, Arc<Mutex<()>>>>,
+    /// The last that were read, the latest first: trials of a pool follow each other.
+    read: Mutex<VecDeque<PooledSetup>>,
+    most_read: usize,
+}
+
+/// The set-up of a pool.
+#[derive(Clone)]
+pub(super) struct PooledSetup {
+    pub(super) path: PathBuf,
+    pub(super) known: Arc<KnownSetup>,
 }
 
 impl PooledSetups {
-    /// Set-ups of a study, for a shard of it.
-    pub(super) fn new(study: &Path, shard: Shard) -> Self {
+    /// Set-ups of a study, for a shard of it that some workers run.
+    pub(super) fn new(study: &Path, shard: Shard, workers: usize) -> Self {
         let folder = study.join(POOLED);
         let own = folder.join(format!("{}-of-{}", shard.index, shard.count));
-        Self { folder, own, being_made: Mutex::default() }
+        Self { folder, own, being_made: Mutex::default(), read: Mutex::default(), most_read: workers }
     }
 
     /// The set-up of a pool, made if it is not there.
@@ -47,7 +58,7 @@ impl PooledSetups {
         pool: &str,
         tasks: &[Task],
         listener: &dyn Listener,
-    ) -> Result<PathBuf, Error> {
+    ) -> Result<PooledSetup, Error> {
         let name = format!("{pool}.toml");
         let path = self.folder.join(&name);
         let turn =
@@ -63,7 +74,14 @@ impl PooledSetups {
             // Another may lie in it; then it stays.
             let _ = fs::remove_dir(&self.own);
         }
-        Ok(path)
+        let mut read = self.read.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = read.iter().find(|known| known.path == path) {
+            return Ok(known.clone());
+        }
+        let known = PooledSetup { known: Arc::new(job::read_setup(&path)?), path };
+        read.push_front(known.clone());
+        read.truncate(self.most_read);
+        Ok(known)
     }
 }
 

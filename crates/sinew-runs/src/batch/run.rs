@@ -4,22 +4,28 @@
 
 use super::RESULTS;
 use super::angle_draws::write_angle_draws;
+use super::keeping::{Ended, Keeping};
 use super::ledger::{EndedTask, Ledger, Packed, TaskEnd, ended};
 use super::packed::Archive;
 use super::plan::{StudyPlan, Task, read};
 use super::pooled_setup::PooledSetups;
+use super::scratch::Scratch;
 use super::shard::Shard;
 use crate::listener::{Deaf, Listener};
 use crate::resume::is_stopped;
 use crate::threads::beside_each_other;
 use crate::{CameTo, Error, Request, track};
 use serde_json::Value;
+use sinew::files::read_stored;
+use sinew::formats::source_text::MAX_TEXT_BYTES;
 use sinew::results::problem::Problem;
+use sinew::results::{Storage, UnsyncedDisk};
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
-use std::sync::{Mutex, PoisonError};
+use std::sync::mpsc::sync_channel;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 /// Tasks of a shard, counted.
@@ -42,10 +48,10 @@ struct Study<'a> {
     folder: &'a Path,
     plan: StudyPlan,
     tasks: Vec<Task>,
-    archive: Option<Archive>,
     setups: PooledSetups,
     listener: &'a dyn Listener,
     threads_a_trial: usize,
+    run: u64,
 }
 
 /// Runs what is missing of a shard, on `threads` threads.
@@ -65,28 +71,39 @@ pub fn run(folder: &Path, shard: Shard, threads: usize, listener: &dyn Listener)
     let before = own().filter(is_done).count();
     let missing: Vec<usize> = own().filter(|place| !is_done(place)).collect();
     let workers = threads.min(missing.len()).max(1);
-    let setups = PooledSetups::new(folder, shard);
-    let study = Study { folder, plan, tasks, archive, setups, listener, threads_a_trial: (threads / workers).max(1) };
-    let (ledger, counter) =
-        (Mutex::new(ledger), Mutex::new((listener.counter("trials", "trials", missing.len() as u64), 0)));
-    let one = |index: usize| -> Result<Option<EndedTask>, Error> {
-        let Some(line) = study.one(&study.tasks[missing[index]]) else { return Ok(None) };
-        ledger.lock().unwrap_or_else(PoisonError::into_inner).add(&line)?;
-        let (counter, done) = &mut *counter.lock().unwrap_or_else(PoisonError::into_inner);
-        *done += 1;
-        counter.at(*done);
-        Ok(Some(line))
+    let setups = PooledSetups::new(folder, shard, workers);
+    let run = 1 + known.values().map(|line| line.run).max().unwrap_or(0);
+    let study = Study { folder, plan, tasks, setups, listener, threads_a_trial: (threads / workers).max(1), run };
+    drop(known);
+    let (sender, receiver) = sync_channel(workers);
+    let (study, missing) = (&study, &missing);
+    // Gone with its sender when all are begun and ended: then nothing is left to keep.
+    let one = move |place: usize| {
+        let ended = study.one(&study.tasks[missing[place]], place);
+        ended.is_some_and(|ended| sender.send(ended).is_ok())
     };
-    let outcomes = beside_each_other(missing.len(), workers, one, |outcome| !matches!(outcome, Ok(Some(_))));
-    let mut end = ShardEnd { before, ..ShardEnd::default() };
-    for outcome in outcomes {
-        match outcome.transpose()?.flatten() {
-            None => end.left += 1,
-            Some(EndedTask { ended: TaskEnd::Done, .. }) => end.done += 1,
-            Some(EndedTask { ended: TaskEnd::Doubtful, .. }) => end.doubtful += 1,
-            Some(EndedTask { trial, why, .. }) => end.failed.push((trial, why)),
-        }
-    }
+    let mut end = ShardEnd { before, left: missing.len(), ..ShardEnd::default() };
+    let mut failed: Vec<(usize, String, String)> = vec![];
+    std::thread::scope(|scope| {
+        let keeping = scope.spawn(|| {
+            let mut counter = listener.counter("trials", "trials", missing.len() as u64);
+            let mut keeping = Keeping { study: folder, archive, ledger };
+            keeping.keep(receiver, |Ended { place, line, .. }| {
+                match line.ended {
+                    TaskEnd::Done => end.done += 1,
+                    TaskEnd::Doubtful => end.doubtful += 1,
+                    TaskEnd::Failed => failed.push((*place, line.trial.clone(), line.why.clone())),
+                }
+                end.left -= 1;
+                counter.at((missing.len() - end.left) as u64);
+            })
+        });
+        beside_each_other(missing.len(), workers, one, |goes_on| !goes_on);
+        keeping.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    })?;
+    // In the order of the plan, whichever ended first.
+    failed.sort();
+    end.failed = failed.into_iter().map(|(_, trial, why)| (trial, why)).collect();
     Ok(end)
 }
 
@@ -106,27 +123,26 @@ struct Ending {
     code: u8,
     why: String,
     computing_s: f64,
-    packed: Option<Packed>,
 }
 
 impl Study<'_> {
-    /// Runs a task; `None` where it was interrupted.
-    fn one(&self, task: &Task) -> Option<EndedTask> {
+    /// Runs a task, at a place among the missing ones; `None` where it was interrupted.
+    fn one(&self, task: &Task, place: usize) -> Option<Ended> {
         if self.listener.stop().load(Ordering::Relaxed) {
             return None;
         }
         let started = Instant::now();
-        let ending = match catch_unwind(AssertUnwindSafe(|| self.tracked(task))) {
-            Ok(Ok(ending)) => ending?,
+        let (ending, scratch) = match catch_unwind(AssertUnwindSafe(|| self.tracked(task))) {
+            Ok(Ok(tracked)) => tracked?,
             Ok(Err(Error::Library(sinew::Error::Interrupted(_)))) => return None,
-            Ok(Err(error)) => failed(error.exit_code(), with_causes(&error)),
-            Err(_) => failed(1, "a bug: the program stopped in the middle of this trial".into()),
+            Ok(Err(error)) => (failed(error.exit_code(), with_causes(&error)), None),
+            Err(_) => (failed(1, "a bug: the program stopped in the middle of this trial".into()), None),
         };
-        let Ending { ended, code, why, computing_s, packed } = ending;
+        let Ending { ended, code, why, computing_s } = ending;
         if ended == TaskEnd::Failed {
             self.listener.warning(&format!("{}: {why}", task.trial));
         }
-        Some(EndedTask {
+        let line = EndedTask {
             trial: task.trial.clone(),
             hash: task.hash.clone(),
             ended,
@@ -134,27 +150,30 @@ impl Study<'_> {
             why,
             seconds: started.elapsed().as_secs_f64(),
             computing_s,
+            run: self.run,
             at_unix_s: SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs_f64(),
-            packed,
-        })
-    }
-
-    /// Tracks a trial into its folder, or into the archive.
-    fn tracked(&self, task: &Task) -> Result<Option<Ending>, Error> {
-        if let Some(problem) = &task.problem {
-            return Ok(Some(failed(3, problem.clone())));
-        }
-        let Some(archive) = &self.archive else {
-            return self.tracked_into(task, &self.folder.join(RESULTS).join(&task.trial));
+            packed: None,
         };
-        let scratch = ScratchFolder::new(&task.hash)?;
-        let ending = self.tracked_into(task, &scratch.0)?;
-        let Some(mut ending) = ending else { return Ok(None) };
-        ending.packed = Some(archive.append(&task.trial, &scratch.0)?);
-        Ok(Some(ending))
+        Some(Ended { place, line, scratch })
     }
 
-    fn tracked_into(&self, task: &Task, out: &Path) -> Result<Option<Ending>, Error> {
+    /// Tracks a trial into its folder, or into a place whose content is to be packed.
+    fn tracked(&self, task: &Task) -> Result<Option<(Ending, Option<Scratch>)>, Error> {
+        if let Some(problem) = &task.problem {
+            return Ok(Some((failed(3, problem.clone()), None)));
+        }
+        if !self.plan.packed {
+            let ending =
+                self.tracked_into(task, &self.folder.join(RESULTS).join(&task.trial), Arc::new(UnsyncedDisk))?;
+            return Ok(ending.map(|ending| (ending, None)));
+        }
+        let scratch = Scratch::new(&task.hash)?;
+        let storage = Arc::clone(scratch.storage());
+        let ending = self.tracked_into(task, scratch.folder(), storage)?;
+        Ok(ending.map(|ending| (ending, Some(scratch))))
+    }
+
+    fn tracked_into(&self, task: &Task, out: &Path, storage: Arc<dyn Storage>) -> Result<Option<Ending>, Error> {
         // What is odd stands in the results of the trial.
         let quiet = Deaf::stopped_by(self.listener.stop());
         let mut given = vec![
@@ -162,12 +181,15 @@ impl Study<'_> {
             ("threads", self.threads_a_trial.to_string()),
             ("force", "true".to_owned()),
         ];
-        if let Some(pool) = &task.pool {
-            let setup = self.setups.of(&self.plan.root, pool, &self.tasks, &quiet)?;
-            given.push(("setup", setup.to_string_lossy().into_owned()));
-        }
-        let resolved = task.as_trial().settings(&self.plan.root, &given)?;
-        let request = |resume| Request { resume, scratch: self.archive.is_some(), ..Request::default() };
+        // A set-up that another trial makes is waited for: that is set-up, too.
+        let started = Instant::now();
+        let pool = task.pool.as_ref();
+        let shared = pool.map(|pool| self.setups.of(&self.plan.root, pool, &self.tasks, &quiet)).transpose()?;
+        let waited_s = started.elapsed().as_secs_f64();
+        given.extend(shared.iter().map(|shared| ("setup", shared.path.to_string_lossy().into_owned())));
+        let mut resolved = task.as_trial().settings(&self.plan.root, &given)?;
+        resolved.known_setup = shared.map(|shared| shared.known);
+        let request = |resume| Request { resume, storage: Some(Arc::clone(&storage)), ..Request::default() };
         let mut came_to = track(&resolved, &request(is_stopped(out)), &quiet);
         // Where what was stopped was something else, the trial is begun again.
         if let Err(Error::Library(sinew::Error::Checkpoint { problem, .. })) = &came_to
@@ -175,18 +197,20 @@ impl Study<'_> {
         {
             came_to = track(&resolved, &request(false), &quiet);
         }
+        let shared_body = resolved.known_setup.as_ref().map(|known| known.setup.tree());
+        let ending = |doubts: &[String], computing_s: f64| Some(ending(doubts, waited_s + computing_s));
         Ok(match came_to? {
             CameTo::One(outcome) if !outcome.summary.complete => None,
             CameTo::Several(summary) if !summary.complete => None,
             CameTo::One(outcome) => {
-                write_angle_draws(out, self.archive.is_some())?;
-                Some(ending(&outcome.summary.failed_diagnostics, computing_s(out)))
+                write_angle_draws(&*storage, out, Some(&outcome.body))?;
+                ending(&outcome.summary.failed_diagnostics, computing_s(&*storage, out))
             }
             CameTo::Complete(summary) => {
-                write_angle_draws(out, self.archive.is_some())?;
+                write_angle_draws(&*storage, out, shared_body.as_ref())?;
                 let failed = summary["failed_diagnostics"].as_array().into_iter().flatten();
                 let failed: Vec<String> = failed.filter_map(Value::as_str).map(str::to_owned).collect();
-                Some(ending(&failed, computing_s(out)))
+                ending(&failed, computing_s(&*storage, out))
             }
             CameTo::Several(summary) => {
                 let doubts = summary.people.iter().flat_map(|person| {
@@ -195,50 +219,32 @@ impl Study<'_> {
                 });
                 let folders = || summary.people.iter().map(|person| out.join(&person.folder));
                 folders()
-                    .filter(|folder| folder.join("summary.json").is_file())
-                    .try_for_each(|f| write_angle_draws(&f, self.archive.is_some()))?;
-                Some(ending(&doubts.collect::<Vec<_>>(), folders().map(|folder| computing_s(&folder)).sum()))
+                    .filter(|folder| storage.exists(&folder.join("summary.json")))
+                    .try_for_each(|folder| write_angle_draws(&*storage, &folder, shared_body.as_ref()))?;
+                ending(&doubts.collect::<Vec<_>>(), folders().map(|folder| computing_s(&*storage, &folder)).sum())
             }
         })
     }
 }
 
 fn failed(code: u8, why: String) -> Ending {
-    Ending { ended: TaskEnd::Failed, code, why, computing_s: 0.0, packed: None }
+    Ending { ended: TaskEnd::Failed, code, why, computing_s: 0.0 }
 }
 
 fn ending(doubts: &[String], computing_s: f64) -> Ending {
     let (ended, code) = if doubts.is_empty() { (TaskEnd::Done, 0) } else { (TaskEnd::Doubtful, 4) };
-    Ending { ended, code, why: doubts.join("; "), computing_s, packed: None }
+    Ending { ended, code, why: doubts.join("; "), computing_s }
 }
 
 /// Seconds of set-up and tracking, as a run wrote them down.
-fn computing_s(out: &Path) -> f64 {
-    let text = fs::read_to_string(out.join("timings.json")).unwrap_or_default();
-    let timings: Value = serde_json::from_str(&text).unwrap_or_default();
+fn computing_s(storage: &dyn Storage, out: &Path) -> f64 {
+    let bytes = read_stored(storage, &out.join("timings.json"), MAX_TEXT_BYTES).unwrap_or_default();
+    let timings: Value = serde_json::from_slice(&bytes).unwrap_or_default();
     ["set_up_s", "track_s"].iter().filter_map(|key| timings[key].as_f64()).sum()
 }
 
 /// An error with what caused it, in one line.
-fn with_causes(error: &Error) -> String {
+pub(super) fn with_causes(error: &Error) -> String {
     let causes = std::iter::successors(std::error::Error::source(error), |cause| cause.source());
     causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
-}
-
-/// A folder on the local disk for results that go into an archive.
-struct ScratchFolder(PathBuf);
-
-impl ScratchFolder {
-    fn new(name: &str) -> Result<Self, Error> {
-        let folder = std::env::temp_dir().join(format!("sinew-batch-{}-{name}", std::process::id()));
-        fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;
-        Ok(Self(folder))
-    }
-}
-
-impl Drop for ScratchFolder {
-    fn drop(&mut self) {
-        // What stays is in the system's folder for such things.
-        let _ = fs::remove_dir_all(&self.0);
-    }
 }

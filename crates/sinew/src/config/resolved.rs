@@ -11,6 +11,7 @@ use crate::methods::{self, About, LatentUse, METHODS};
 use sinew_formats::nearest::nearest;
 use sinew_recording::Problems;
 use sinew_recording::input::recording::given::GivenRecording;
+use sinew_recording::setup::KnownSetup;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -33,6 +34,8 @@ pub struct Resolved {
     pub(super) values: SettingValues,
     /// Cameras and keypoints in memory, in place of the ones that settings name.
     pub given: Option<Arc<GivenRecording>>,
+    /// What the file of the setting `setup` holds, where it was read before.
+    pub known_setup: Option<Arc<KnownSetup>>,
     /// Variables that look like settings and are none.
     pub warnings: Vec<String>,
 }

@@ -18,6 +18,7 @@ use sinew_observe::Noise;
 use sinew_recording::input::footage::{FootageFiles, Init};
 use sinew_recording::input::lag::ClockLag;
 use sinew_recording::input::recording::given::GivenRecording;
+use sinew_recording::setup::KnownSetup;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -71,6 +72,8 @@ pub struct TrackConfig {
     pub body: String,
     /// Set-up of an earlier run.
     pub setup: Option<PathBuf>,
+    /// What that file holds, where it was read before.
+    pub known_setup: Option<Arc<KnownSetup>>,
     /// Frames for the set-up pass.
     pub setup_frames: Option<Range<u64>>,
     /// Learned motion model.
@@ -139,6 +142,7 @@ impl Resolved {
             up: self.values.text("up"),
             body: self.values.text("body").unwrap_or_default(),
             setup: self.values.path("setup"),
+            known_setup: self.known_setup.clone(),
             setup_frames: self.values.frames("setup_frames"),
             motion_model: self.values.path("motion_model"),
             latent: self.values.path("latent"),

@@ -44,7 +44,7 @@ impl FolderStore {
     /// Removes a value; false where there is none.
     fn remove(&mut self, key: &str) -> io::Result<bool> {
         let path = self.folder.join(key);
-        let is_there = path.exists();
+        let is_there = self.storage.exists(&path);
         if is_there {
             self.storage.remove(&path)?;
         }
@@ -55,7 +55,7 @@ impl FolderStore {
 impl Store for FolderStore {
     fn put(&mut self, key: &str, bytes: &[u8]) -> io::Result<()> {
         let path = self.folder.join(key);
-        let is_new = !path.exists();
+        let is_new = !self.storage.exists(&path);
         let created = match (self.storage.create(&path), path.parent()) {
             (Err(error), Some(parent)) if error.kind() == io::ErrorKind::NotFound => {
                 self.storage.create_folder(parent)?;

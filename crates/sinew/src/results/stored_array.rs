@@ -1,8 +1,9 @@
 //! Arrays of numbers of a result folder's `posterior.zarr`.
 
 use crate::Error;
-use crate::files::{read_bytes, read_text};
-use sinew_formats::source_text::MAX_TEXT_BYTES;
+use crate::files::read_stored;
+use crate::results::{Disk, Storage};
+use sinew_formats::source_text::{MAX_TEXT_BYTES, decode};
 use sinew_formats::zarr::reader::{self, NumberArray};
 use std::path::Path;
 
@@ -11,16 +12,25 @@ use std::path::Path;
 /// # Errors
 /// Files that cannot be read, arrays of another kind.
 pub fn stored_array(folder: &Path, path: &str) -> Result<Option<NumberArray>, Error> {
+    stored_array_in(&Disk, folder, path)
+}
+
+/// As [`stored_array`], with the folder in a storage.
+///
+/// # Errors
+/// As [`stored_array`].
+pub fn stored_array_in(storage: &dyn Storage, folder: &Path, path: &str) -> Result<Option<NumberArray>, Error> {
     let array = folder.join("posterior.zarr").join(path);
     let document = array.join("zarr.json");
-    if !document.is_file() {
+    if !storage.exists(&document) {
         return Ok(None);
     }
-    let text = read_text(&document, MAX_TEXT_BYTES)?;
+    let name = document.display().to_string();
+    let bytes = read_stored(storage, &document, MAX_TEXT_BYTES)?;
     let mut failed = None;
-    let read = reader::numbers(&document.display().to_string(), &text, |key| {
+    let read = reader::numbers(&name, decode(&name, &bytes, MAX_TEXT_BYTES)?, |key| {
         let path = array.join(key);
-        let bytes = path.exists().then(|| read_bytes(&path, MAX_TEXT_BYTES)).transpose();
+        let bytes = storage.exists(&path).then(|| read_stored(storage, &path, MAX_TEXT_BYTES)).transpose();
         Ok(bytes.unwrap_or_else(|error| {
             failed.get_or_insert(error);
             None

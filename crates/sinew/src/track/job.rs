@@ -22,6 +22,7 @@ pub mod live;
 mod run_info;
 mod watch;
 
+pub use begin::read_setup;
 pub use check::check_settings;
 pub use complete::check_complete;
 pub use ending::Outcome;
@@ -114,5 +115,5 @@ pub fn track<S: FrameSource>(
     let summary = finish.summary(results, &pipeline, &inputs, source.source(), &config, &clock)?;
     tracked?;
     let colours = compared_colours(&setup, &source, &settings);
-    Ok(Outcome { summary, ms_per_frame: clock.ms_per_frame(done), girth: setup.girth, colours })
+    Ok(Outcome { summary, ms_per_frame: clock.ms_per_frame(done), body: tree, girth: setup.girth, colours })
 }

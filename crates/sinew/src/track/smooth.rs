@@ -16,7 +16,7 @@ use super::record::{Record, RecordShape};
 use super::trajectories::TrajectoryDescriber;
 use crate::Error;
 use crate::results::estimate::FrameEstimate;
-use crate::results::{Claim, Disk, PartialFile, Place, Position, Storage};
+use crate::results::{Claim, Disk, PartialFile, Place, Position, Storage, UnsyncedDisk};
 use sinew_angles::fixed_lag::half_window;
 use sinew_angles::marginals::AngleChange;
 use sinew_angles::trajectory_change::{change_between, window_around};
@@ -65,7 +65,10 @@ impl Spool {
     /// # Errors
     /// [`Error::Io`]; [`Error::Checkpoint`] for a file that is not as it was left.
     pub fn open(claim: &Claim, sizes: [usize; 4], written: Option<(u64, Position)>) -> Result<Self, Error> {
-        Self::open_in(claim.storage(), claim.folder(), sizes, written)
+        // It is read at places, and larger than what is kept in memory.
+        let unsynced = || Arc::new(UnsyncedDisk) as Arc<dyn Storage>;
+        let storage = if claim.storage().is_temporary() { unsynced() } else { Arc::clone(claim.storage()) };
+        Self::open_in(&storage, claim.folder(), sizes, written)
     }
 
     /// An empty spool in a folder of its own, which is gone when the spool is dropped.

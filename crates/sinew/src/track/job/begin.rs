@@ -13,7 +13,7 @@ use crate::config::track::DEFAULT_FPS;
 use crate::input::source::FrameSource;
 use crate::input::up_axis::axis_before_turning;
 use crate::input::upright::Upright;
-use crate::setup::{self, Setup, SetupRequest, SetupWarning};
+use crate::setup::{self, KnownSetup, Setup, SetupRequest, SetupWarning};
 use crate::track::checkpoint::Checkpoint;
 use crate::track::error::TrackError;
 use crate::track::step_size::tune;
@@ -22,6 +22,7 @@ use sinew_formats::source_text::MAX_CONFIG_BYTES;
 use sinew_recording::Problems;
 use std::ops::Range;
 use std::path::Path;
+use std::sync::Arc;
 
 /// A run before its first frame, or where it was stopped.
 pub(super) struct Begun<'a, S> {
@@ -43,20 +44,27 @@ pub(super) fn begun<'a, S: FrameSource>(
     if config.fps.is_none() {
         warnings.push(format!("no frame rate given; {DEFAULT_FPS} frames per second assumed (`--fps`)"));
     }
-    let known = config.setup.as_deref().map(read_setup).transpose()?;
-    if let Some(setup) = known.as_ref().filter(|_| resolved.is_given("body")) {
+    let known = known_setup(config)?;
+    let known = known.as_deref();
+    if let Some(KnownSetup { setup, .. }) = known.filter(|_| resolved.is_given("body")) {
         same_body(&config.body, setup)?;
     }
-    let (mut source, up_sd_deg) = levelled(source, &setup_frames, config, known.as_ref(), watch, &mut warnings)?;
-    let setup = match known {
-        Some(setup) => {
+    let known_setup = known.map(|known| &known.setup);
+    let (mut source, up_sd_deg) = levelled(source, &setup_frames, config, known_setup, watch, &mut warnings)?;
+    let (setup, setup_toml) = match known {
+        Some(KnownSetup { setup, toml }) => {
             same_calibration(&mut source, config.image_scale)?;
             let person = if source.shows_one() { 0 } else { setup.person };
-            Setup { person, ..setup }
+            let is_same = person == setup.person;
+            let setup = Setup { person, ..setup.clone() };
+            let toml = if is_same { toml.clone() } else { setup.to_toml()? };
+            (setup, toml)
         }
         None => {
             let setup = set_up(&mut source, setup_frames, config, settings, watch, &mut warnings)?;
-            Setup { world_up: source.up().into(), world_up_sd_deg: up_sd_deg, ..setup }
+            let setup = Setup { world_up: source.up().into(), world_up_sd_deg: up_sd_deg, ..setup };
+            let toml = setup.to_toml()?;
+            (setup, toml)
         }
     };
     warnings.extend(colour_warning(&setup, &mut source, settings)?);
@@ -65,7 +73,7 @@ pub(super) fn begun<'a, S: FrameSource>(
         settings: resolved.numeric_settings(),
         isa: settings.isa.name().into(),
         frames: source.frames(),
-        setup_toml: setup.to_toml()?,
+        setup_toml,
         warnings,
         texts: [resolved.to_toml(), resolved.to_json().to_string(), resolved.hash()],
         ..Checkpoint::default()
@@ -119,14 +127,27 @@ pub(super) fn same_body(asked: &str, setup: &Setup) -> Result<(), Error> {
     Err(TrackError::Body { asked: asked.into(), known: setup.body.name().to_lowercase() }.into())
 }
 
-pub(super) fn read_setup(path: &Path) -> Result<Setup, Error> {
+/// The set-up of an earlier run with which a run begins, if it does.
+pub(super) fn known_setup(config: &TrackConfig) -> Result<Option<Arc<KnownSetup>>, Error> {
+    let Some(path) = &config.setup else { return Ok(None) };
+    config.known_setup.clone().map_or_else(|| read_setup(path).map(Arc::new), Ok).map(Some)
+}
+
+/// Reads the set-up of an earlier run.
+///
+/// # Errors
+/// A file that cannot be read, and all values that cannot be, in one message.
+pub fn read_setup(path: &Path) -> Result<KnownSetup, Error> {
     let text = files::read_text(path, MAX_CONFIG_BYTES)?;
     let setup: Setup = toml::from_str(&text).map_err(|error| {
         let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
         TrackError::SetupFile { path: path.to_owned(), line, problem: error.message().into() }
     })?;
     let problems = setup.problems();
-    if problems.is_empty() { Ok(setup) } else { Err(Problems { file: path.display().to_string(), problems }.into()) }
+    match problems.is_empty() {
+        true => Ok(KnownSetup::new(setup)?),
+        false => Err(Problems { file: path.display().to_string(), problems }.into()),
+    }
 }
 
 fn set_up<S: FrameSource>(

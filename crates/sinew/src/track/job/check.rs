@@ -1,6 +1,6 @@
 //! Settings that cannot be carried out, found before anything is claimed or computed.
 
-use super::begin::{read_setup, same_body};
+use super::begin::{known_setup, same_body};
 use super::level::world_up;
 use crate::config::Resolved;
 use crate::track::{check_latent_model, check_model};
@@ -13,18 +13,19 @@ use crate::{Error, bodies};
 pub fn check_settings(resolved: &Resolved) -> Result<(), Error> {
     let config = resolved.track();
     let settings = config.settings()?;
-    let known = config.setup.as_deref().map(read_setup).transpose()?;
-    match known.as_ref().filter(|_| resolved.is_given("body")) {
+    let known = known_setup(&config)?;
+    let known = known.as_ref().map(|known| &known.setup);
+    match known.filter(|_| resolved.is_given("body")) {
         Some(setup) => same_body(&config.body, setup)?,
         None => drop(bodies::to_track(&config.body)?),
     }
     if settings.motion_model.is_some() || settings.latent_model.is_some() {
-        let tree = match &known {
+        let tree = match known {
             Some(setup) => setup.tree(),
             None => bodies::find(&config.body)?,
         };
         settings.motion_model.iter().try_for_each(|model| check_model(model, &tree, settings.fps))?;
         settings.latent_model.iter().try_for_each(|model| check_latent_model(model, &tree, settings.fps))?;
     }
-    world_up(&config, known.as_ref()).map(drop)
+    world_up(&config, known).map(drop)
 }

@@ -6,6 +6,7 @@ use crate::config::TrackConfig;
 use crate::results::{Ending, ResultFolder, Summary};
 use crate::setup::{MeasuredColours, MeasuredGirth};
 use crate::track::pipeline::Pipeline;
+use sinew_body::KinematicTree;
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -16,6 +17,8 @@ pub struct Outcome {
     pub summary: Summary,
     /// Wall time of the tracking pass per frame, milliseconds.
     pub ms_per_frame: f64,
+    /// The body that was tracked.
+    pub body: KinematicTree,
     /// Girths of the subject, where masks show them.
     pub girth: Option<MeasuredGirth>,
     /// Colours of the subject's parts, where they were compared.

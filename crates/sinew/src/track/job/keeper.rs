@@ -55,7 +55,10 @@ impl Keeper {
             false => None,
         };
         let results = ResultFolder::open(claim, info, texts(&checkpoint)?, checkpoint.written.as_ref())?;
-        let every = Duration::try_from_secs_f64(config.checkpoint_every).unwrap_or(Duration::MAX);
+        let every = match results.claim().storage().is_temporary() {
+            true => Duration::MAX,
+            false => Duration::try_from_secs_f64(config.checkpoint_every).unwrap_or(Duration::MAX),
+        };
         let (kept, cost) = (Instant::now(), Duration::ZERO);
         Ok(Self { results, spool, window, checkpoint, every, kept, cost })
     }
@@ -97,8 +100,11 @@ impl Keeper {
         self.kept.elapsed() >= least
     }
 
-    /// Writes the checkpoint, behind the files that it speaks of; `read` is what the set-up read.
+    /// Writes the checkpoint, behind the files that it speaks of, where a run is ever resumed; `read` is what the set-up read.
     pub(super) fn keep(&mut self, pipeline: &Pipeline, read: &FramesRead, inputs: Hashes) -> Result<(), Error> {
+        if self.results.claim().storage().is_temporary() {
+            return Ok(());
+        }
         let clock = Instant::now();
         let checkpoint = &mut self.checkpoint;
         match &mut self.spool {

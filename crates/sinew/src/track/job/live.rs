@@ -86,7 +86,8 @@ pub fn track_live<S: Arrivals>(
     let finish = Finish { complete: tracked.is_ok(), warnings: checkpoint.warnings, before: 0, done };
     let summary = finish.summary(results, &pipeline, &inputs, source.source(), &config, &clock)?;
     tracked?;
-    Ok(Some(Outcome { summary, ms_per_frame: clock.ms_per_frame(done), girth: setup.girth, colours: None }))
+    let ms_per_frame = clock.ms_per_frame(done);
+    Ok(Some(Outcome { summary, ms_per_frame, body: tree, girth: setup.girth, colours: None }))
 }
 
 /// Answers each frame, then keeps it.
