@@ -5,7 +5,7 @@
 //!   `time` (seconds), and every variable over it carries the attribute `coordinates = "time"`, without which xarray takes
 //!   `time` for a variable.
 //! - Arrays are cut into regular chunks of [`CHUNK_FRAMES`] frames, the last one padded with the fill value (NaN for
-//!   numbers with a point), keys like `posterior/angle/c/0/0/3/0`, codec `bytes` little-endian, no compression. Strings
+//!   numbers with a point; a store of fewer frames has one chunk of these alone), keys like `posterior/angle/c.0.0.3.0`, codec `bytes` little-endian, no compression. Strings
 //!   are data type `string`, codec `vlen-utf8`: u32 count, then u32 length and bytes of each.
 //! - Chunks are written as they fill, and metadata with the shape so far after each of them: a killed run is readable up
 //!   to the last chunk. [`Writer::finish`] writes the rest and copies all metadata into the root's
@@ -28,7 +28,7 @@
 //! let mut writer = Writer::create(MemoryStore::default(), schema)?;
 //! writer.push(0, 0.0, &[FrameValues::Numbers(&[0.5, 0.25])])?;
 //! let store = writer.finish()?;
-//! assert_eq!(store.0["posterior/angle/c/0/0"].len(), 2 * 64 * 4);
+//! assert_eq!(store.0["posterior/angle/c.0.0"].len(), 2 * 4);
 //! # Ok::<(), std::io::Error>(())
 //! ```
 

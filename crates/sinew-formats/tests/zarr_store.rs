@@ -102,7 +102,7 @@ fn check_chunks(store: &MemoryStore) {
         };
         for index in 0..counts.iter().product::<usize>() {
             let part = |count: &usize| if *count > 1 { index } else { 0 }.to_string();
-            let chunk_key = format!("{path}/c/{}", counts.iter().map(part).collect::<Vec<_>>().join("/"));
+            let chunk_key = format!("{path}/c.{}", counts.iter().map(part).collect::<Vec<_>>().join("."));
             let bytes = store.0.get(&chunk_key).unwrap_or_else(|| panic!("{chunk_key} is missing"));
             if let Some(element) = element {
                 assert_eq!(bytes.len(), element * chunk.iter().product::<usize>(), "{chunk_key}");
@@ -124,13 +124,13 @@ fn chunks_are_those_that_the_metadata_promise() {
     assert_eq!(sizes(&angle["chunk_grid"]["configuration"]["chunk_shape"]), [CHAINS, DRAWS, 64, DOF]);
     assert_eq!(angle["attributes"]["coordinates"], "time");
     assert_eq!(angle["fill_value"], "NaN");
-    assert!(store.0.contains_key("posterior/angle/c/0/0/2/0"));
+    assert!(store.0.contains_key("posterior/angle/c.0.0.2.0"));
 }
 
 #[test]
 fn values_lie_where_the_shape_says_and_the_rest_is_padding() {
     let store = example();
-    let chunk = &store.0["posterior/angle/c/0/0/2/0"];
+    let chunk = &store.0["posterior/angle/c.0.0.2.0"];
     let at = |outer: usize, place: usize, dof: usize| {
         let offset = 4 * ((outer * 64 + place) * DOF + dof);
         f32::from_le_bytes(chunk[offset..offset + 4].try_into().unwrap())
@@ -139,9 +139,25 @@ fn values_lie_where_the_shape_says_and_the_rest_is_padding() {
         assert_eq!(at(outer, frame - 128, dof), value(frame, outer * DOF + dof) as f32);
     }
     assert!(at(0, 150 - 128, 0).is_nan());
-    let markers = &store.0["posterior/marker_position/c/0/0/0/0/0"];
+    let markers = &store.0["posterior/marker_position/c.0.0.0.0.0"];
     assert_eq!(markers.len(), 4 * CHAINS * DRAWS * 64 * MARKERS * 3);
-    assert_eq!(&store.0["posterior/axis/c/0"], b"\x03\0\0\0\x01\0\0\0x\x01\0\0\0y\x01\0\0\0z");
+    assert_eq!(&store.0["posterior/axis/c.0"], b"\x03\0\0\0\x01\0\0\0x\x01\0\0\0y\x01\0\0\0z");
+}
+
+#[test]
+fn a_store_of_few_frames_has_no_padding() {
+    let mut writer = Writer::create(MemoryStore::default(), example_schema()).unwrap();
+    push_frames(&mut writer, 7).unwrap();
+    let store = writer.finish().unwrap();
+    check_chunks(&store);
+    let angle = document(&store, "posterior/angle/zarr.json");
+    assert_eq!(sizes(&angle["chunk_grid"]["configuration"]["chunk_shape"]), [CHAINS, DRAWS, 7, DOF]);
+    let chunk = &store.0["posterior/angle/c.0.0.0.0"];
+    for (outer, frame, dof) in [(0, 0, 0), (7, 6, 2), (39, 3, 1)] {
+        let offset = 4 * ((outer * 7 + frame) * DOF + dof);
+        let found = f32::from_le_bytes(chunk[offset..offset + 4].try_into().unwrap());
+        assert_eq!(found, value(frame, outer * DOF + dof) as f32);
+    }
 }
 
 #[test]

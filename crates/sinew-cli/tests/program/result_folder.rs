@@ -65,8 +65,8 @@ fn everything_is_there_and_readable() {
     assert!(!out.join("posterior.zarr/sample_stats/log_weight").exists());
     let observed = &zarr["consolidated_metadata"]["metadata"]["observed_data/pixel"];
     assert_eq!(observed["dimension_names"], serde_json::json!(["frame", "camera", "keypoint", "image_axis"]));
-    // Six frames in a chunk of 64; the first number is the u of the first camera's first keypoint.
-    let chunk = fs::read(out.join("posterior.zarr/observed_data/pixel/c/0/0/0/0")).unwrap();
+    // Six frames in a chunk; the first number is the u of the first camera's first keypoint.
+    let chunk = fs::read(out.join("posterior.zarr/observed_data/pixel/c.0.0.0.0")).unwrap();
     let first = f32::from_le_bytes([chunk[0], chunk[1], chunk[2], chunk[3]]);
     assert!(first.is_nan() || (0.0..2000.0).contains(&first), "{first}");
 }

@@ -38,6 +38,11 @@ impl Element {
     }
 }
 
+/// The key of a chunk below its array, by its place along each dimension: without folders, of which a store would have more than files.
+pub(super) fn chunk_key(places: impl IntoIterator<Item = usize>) -> String {
+    places.into_iter().fold("c".to_owned(), |key, place| format!("{key}.{place}"))
+}
+
 pub(super) fn array(
     element: Element,
     shape: &[usize],
@@ -51,7 +56,7 @@ pub(super) fn array(
         "shape": shape,
         "data_type": element.name(),
         "chunk_grid": { "name": "regular", "configuration": { "chunk_shape": chunk } },
-        "chunk_key_encoding": { "name": "default", "configuration": { "separator": "/" } },
+        "chunk_key_encoding": { "name": "default", "configuration": { "separator": "." } },
         "fill_value": element.fill_value(),
         "codecs": element.codecs(),
         "attributes": attributes,

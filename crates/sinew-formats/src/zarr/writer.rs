@@ -1,6 +1,6 @@
 //! Streams frames into a store.
 
-use super::metadata::{self, Element};
+use super::metadata::{self, Element, chunk_key};
 use super::schema::{CHUNK_FRAMES, Constant, DataType, FRAME, FrameValues, Group, Labels, Schema, Store, Variable};
 use serde_json::{Map, Value};
 use std::collections::{BTreeMap, BTreeSet};
@@ -78,7 +78,7 @@ impl<S: Store> Plan<S> {
                 Labels::Names(names) => (Element::Text, vlen_utf8(names)?),
             };
             let shape = [labels.len()];
-            self.store.put(&format!("{path}/c/0"), &bytes)?;
+            self.store.put(&format!("{path}/{}", chunk_key([0])), &bytes)?;
             self.fixed.insert(path, metadata::array(element, &shape, &shape, &[name], &Map::new()));
         }
         Ok(())
@@ -95,7 +95,7 @@ impl<S: Store> Plan<S> {
             let count = constant.values.len();
             return Err(invalid(format!("`{path}` has {count} values for the shape {shape:?}")));
         }
-        let key = shape.iter().fold(format!("{path}/c"), |key, _| key + "/0");
+        let key = format!("{path}/{}", chunk_key(shape.iter().map(|_| 0)));
         let bytes: Vec<u8> = constant.values.iter().flat_map(|&value| encoded(*data_type, value)).collect();
         self.store.put(&key, &bytes)?;
         let element = Element::Number(*data_type);
@@ -150,7 +150,7 @@ impl<S: Store> Writer<S> {
             writer.store.put(&format!("{path}/zarr.json"), &metadata::bytes(document))?;
         }
         writer.store.put("zarr.json", &metadata::bytes(&metadata::group(&writer.attributes)))?;
-        writer.put_growing_metadata()?;
+        writer.put_growing_metadata(CHUNK_FRAMES)?;
         Ok(writer)
     }
 
@@ -180,7 +180,7 @@ impl<S: Store> Writer<S> {
             }
         }
         self.frames += 1;
-        if self.frames.is_multiple_of(CHUNK_FRAMES) { self.flush() } else { Ok(()) }
+        if self.frames.is_multiple_of(CHUNK_FRAMES) { self.flush(CHUNK_FRAMES) } else { Ok(()) }
     }
 
     /// The open chunk of every growing variable, with what is still to come at its fill value.
@@ -210,7 +210,7 @@ impl<S: Store> Writer<S> {
             }
         }
         self.frames = frames;
-        self.put_growing_metadata()?;
+        self.put_growing_metadata(CHUNK_FRAMES)?;
         Ok(self)
     }
 
@@ -219,33 +219,40 @@ impl<S: Store> Writer<S> {
         &mut self.store
     }
 
-    /// Writes the open chunk, shapes and consolidated metadata, and gives the store back.
+    /// Writes the open chunk, shapes and consolidated metadata, and gives the store back. A store with a single chunk has it without padding.
     ///
     /// # Errors
     /// What the store reports.
     pub fn finish(mut self) -> io::Result<S> {
+        let mut chunk_frames = CHUNK_FRAMES;
         if !self.frames.is_multiple_of(CHUNK_FRAMES) {
-            self.flush()?;
+            if self.frames < CHUNK_FRAMES {
+                chunk_frames = self.frames;
+                self.growing.iter_mut().for_each(|array| array.shorten(chunk_frames));
+            }
+            self.flush(chunk_frames)?;
         }
         let mut nodes = std::mem::take(&mut self.fixed);
-        nodes.extend(self.growing.iter().map(|array| (array.path.clone(), array.metadata(self.frames))));
+        nodes.extend(self.growing.iter().map(|array| (array.path.clone(), array.metadata(self.frames, chunk_frames))));
         let root = metadata::consolidated_root(&self.attributes, nodes);
         self.store.put("zarr.json", &metadata::bytes(&root))?;
         Ok(self.store)
     }
 
-    fn flush(&mut self) -> io::Result<()> {
+    /// Writes the open chunk; `chunk_frames` is the length of all.
+    fn flush(&mut self, chunk_frames: usize) -> io::Result<()> {
         let chunk = self.frames.saturating_sub(1) / CHUNK_FRAMES;
         for array in &mut self.growing {
             self.store.put(&array.key(chunk), &array.chunk)?;
             array.clear();
         }
-        self.put_growing_metadata()
+        self.put_growing_metadata(chunk_frames)
     }
 
-    fn put_growing_metadata(&mut self) -> io::Result<()> {
+    fn put_growing_metadata(&mut self, chunk_frames: usize) -> io::Result<()> {
         for array in &self.growing {
-            self.store.put(&format!("{}/zarr.json", array.path), &metadata::bytes(&array.metadata(self.frames)))?;
+            let document = metadata::bytes(&array.metadata(self.frames, chunk_frames));
+            self.store.put(&format!("{}/zarr.json", array.path), &document)?;
         }
         Ok(())
     }
@@ -294,21 +301,24 @@ impl Growing {
         let row = bytes.len() / self.outer;
         let slabs = self.chunk.chunks_exact_mut(CHUNK_FRAMES * row);
         for (slab, new) in slabs.zip(bytes.chunks_exact(row)) {
-            slab.iter_mut().skip(place * row).zip(new).for_each(|(slot, byte)| *slot = *byte);
+            slab[place * row..(place + 1) * row].copy_from_slice(new);
         }
         Ok(())
     }
 
     fn key(&self, chunk: usize) -> String {
-        let mut key = format!("{}/c", self.path);
-        for axis in 0..self.shape.len() {
-            key.push('/');
-            key.push_str(&if axis == self.frame_axis { chunk } else { 0 }.to_string());
-        }
-        key
+        let places = (0..self.shape.len()).map(|axis| if axis == self.frame_axis { chunk } else { 0 });
+        format!("{}/{}", self.path, chunk_key(places))
     }
 
-    fn metadata(&self, frames: usize) -> Value {
+    /// Leaves nothing of the chunk but its first frames.
+    fn shorten(&mut self, frames: usize) {
+        let slab = self.chunk.len() / self.outer.max(1);
+        let kept = slab / CHUNK_FRAMES * frames;
+        self.chunk = self.chunk.chunks_exact(slab.max(1)).flat_map(|slab| &slab[..kept]).copied().collect();
+    }
+
+    fn metadata(&self, frames: usize, chunk_frames: usize) -> Value {
         let with_frames = |frames: usize| {
             let mut shape = self.shape.clone();
             shape.iter_mut().skip(self.frame_axis).take(1).for_each(|size| *size = frames);
@@ -316,7 +326,7 @@ impl Growing {
         };
         let Variable { dimensions, data_type, attributes, .. } = &self.variable;
         let element = Element::Number(*data_type);
-        metadata::array(element, &with_frames(frames), &with_frames(CHUNK_FRAMES), dimensions, attributes)
+        metadata::array(element, &with_frames(frames), &with_frames(chunk_frames), dimensions, attributes)
     }
 }
 

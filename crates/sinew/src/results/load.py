@@ -50,7 +50,7 @@ def array(folder):
     shape, chunk = meta["shape"], meta["chunk_grid"]["configuration"]["chunk_shape"]
     attributes = {key: value for key, value in meta["attributes"].items() if key != "coordinates"}
     if meta["data_type"] == "string":
-        data, at, values = (folder / "c/0").read_bytes(), 4, []
+        data, at, values = (folder / "c.0").read_bytes(), 4, []
         while at < len(data):
             end = at + 4 + int.from_bytes(data[at : at + 4], "little")
             values.append(data[at + 4 : end].decode())
@@ -60,7 +60,7 @@ def array(folder):
     values = np.empty(shape, kind)
     for number in np.ndindex(*(-(-size // part) for size, part in zip(shape, chunk))):
         place = tuple(slice(n * part, (n + 1) * part) for n, part in zip(number, chunk))
-        read = np.fromfile(folder.joinpath("c", *map(str, number)), kind).reshape(chunk)
+        read = np.fromfile(folder / ".".join(["c", *map(str, number)]), kind).reshape(chunk)
         values[place] = read[tuple(slice(size) for size in values[place].shape)]
     return xr.Variable(meta["dimension_names"], values, attributes)
 

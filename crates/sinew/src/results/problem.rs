@@ -6,7 +6,7 @@ use std::path::PathBuf;
 pub const NAME: &str = "checkpoint.bin";
 
 /// Version of its layout.
-pub(crate) const FORMAT: u32 = 13;
+pub(crate) const FORMAT: u32 = 14;
 
 /// Why a run cannot be resumed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
