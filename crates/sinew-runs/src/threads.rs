@@ -1,6 +1,7 @@
 //! The threads that the settings ask for: pools of them, and runs beside each other.
 
 use super::error::Error;
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use sinew::config::TrackConfig;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -11,7 +12,7 @@ pub fn wanted(config: &TrackConfig) -> usize {
     config.threads.unwrap_or_else(|| std::thread::available_parallelism().map_or(1, |n| n.get()))
 }
 
-/// Runs in a pool of that many threads.
+/// Runs in a pool of that many threads: in the one that it is called from, if it has as many.
 ///
 /// # Errors
 /// [`Error::Threads`] where the system grants none; errors of what is run.
@@ -19,8 +20,18 @@ pub fn with_threads<T: Send, E: Send>(threads: usize, run: impl FnOnce() -> Resu
 where
     Error: From<E>,
 {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    Ok(pool.map_err(Error::Threads)?.install(run)?)
+    if rayon::current_thread_index().is_some() && rayon::current_num_threads() == threads {
+        return Ok(run()?);
+    }
+    Ok(pool(threads)?.install(run)?)
+}
+
+/// A pool of that many threads.
+///
+/// # Errors
+/// [`Error::Threads`] where the system grants none.
+pub(crate) fn pool(threads: usize) -> Result<ThreadPool, Error> {
+    ThreadPoolBuilder::new().num_threads(threads).build().map_err(Error::Threads)
 }
 
 /// Does `one(i)` for every i below `count`, `workers` of them at a time, and returns what they came to in order.

@@ -13,8 +13,9 @@ use super::scratch::Scratch;
 use super::shard::Shard;
 use crate::listener::{Deaf, Listener};
 use crate::resume::is_stopped;
-use crate::threads::beside_each_other;
+use crate::threads::{beside_each_other, pool};
 use crate::{CameTo, Error, Request, track};
+use rayon::ThreadPool;
 use serde_json::Value;
 use sinew::files::read_stored;
 use sinew::formats::source_text::MAX_TEXT_BYTES;
@@ -26,6 +27,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::sync::mpsc::sync_channel;
+use std::sync::{Mutex, PoisonError};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 /// Tasks of a shard, counted.
@@ -77,9 +79,16 @@ pub fn run(folder: &Path, shard: Shard, threads: usize, listener: &dyn Listener)
     drop(known);
     let (sender, receiver) = sync_channel(workers);
     let (study, missing) = (&study, &missing);
+    // Threads stay the same from trial to trial: what each has freed is used again.
+    let pools: Vec<ThreadPool> = (0..workers).map(|_| pool(study.threads_a_trial)).collect::<Result<_, _>>()?;
+    let pools = Mutex::new(pools);
+    let idle = || pools.lock().unwrap_or_else(PoisonError::into_inner);
+    let idle = &idle;
     // Gone with its sender when all are begun and ended: then nothing is left to keep.
     let one = move |place: usize| {
-        let ended = study.one(&study.tasks[missing[place]], place);
+        let Some(pool) = idle().pop() else { return false };
+        let ended = pool.install(|| study.one(&study.tasks[missing[place]], place));
+        idle().push(pool);
         ended.is_some_and(|ended| sender.send(ended).is_ok())
     };
     let mut end = ShardEnd { before, left: missing.len(), ..ShardEnd::default() };
