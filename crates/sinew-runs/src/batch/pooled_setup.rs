@@ -22,6 +22,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Folder of the set-ups in a study.
 const POOLED: &str = "setups";
 
+/// Trials from which a set-up is made: of more, an evenly spaced part. What is constant is known from these, and all are open at once.
+const MOST_TRIALS: usize = 64;
+
 /// Set-ups that a shard makes and uses.
 pub(super) struct PooledSetups {
     folder: PathBuf,
@@ -66,6 +69,8 @@ impl PooledSetups {
         let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
         if !path.is_file() {
             let members: Vec<&Task> = tasks.iter().filter(|task| task.pool.as_deref() == Some(pool)).collect();
+            let stride = members.len().div_ceil(MOST_TRIALS).max(1);
+            let members: Vec<&Task> = members.into_iter().step_by(stride).collect();
             let setup = made(root, pool, &members, listener)?;
             fs::create_dir_all(&self.own).map_err(sinew::Error::io("create", &self.own))?;
             let own = self.own.join(&name);
