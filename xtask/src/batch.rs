@@ -44,6 +44,9 @@ pub struct Args {
     /// Only means of angles, of this number of subjects, against the truth
     #[arg(long)]
     groups: Option<usize>,
+    /// Only the same of this number of sessions with several subjects
+    #[arg(long)]
+    sessions: Option<usize>,
     /// Program to run [default: built for release]
     #[arg(long)]
     program: Option<PathBuf>,
@@ -68,6 +71,10 @@ fn measured(root: &Path, args: &Args) -> Outcome<()> {
     let program = Program { path, folder: folder.clone() };
     if let Some(subjects) = args.groups {
         print!("{}", groups::table(&program, &folder, subjects)?);
+        return Ok(());
+    }
+    if let Some(sessions) = args.sessions {
+        print!("{}", groups::table_of_sessions(&program, &folder, sessions)?);
         return Ok(());
     }
     let trials = folder.join("trials");

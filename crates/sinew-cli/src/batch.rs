@@ -37,9 +37,10 @@ fn planned(args: &PlanArgs, general: &General, report: &Report) -> Result<Ended,
     if study.join("plan.json").exists() && !general.force {
         return Err(sinew::Error::OutputExists { path: study.join("plan.json"), found: Occupied::File }.into());
     }
-    let tasks = plan(&args.trials)?;
+    let tasks = plan(&args.trials, args.share)?;
     let root = std::path::absolute(&args.trials).map_err(sinew::Error::io("read", &args.trials))?;
-    let known = StudyPlan { sinew_version: env!("CARGO_PKG_VERSION").into(), root, packed: args.pack };
+    let known =
+        StudyPlan { sinew_version: env!("CARGO_PKG_VERSION").into(), root, packed: args.pack, share: args.share };
     write(&study, &known, &tasks)?;
     write_submit_files(&study, args.shards)?;
     let problems: Vec<String> =

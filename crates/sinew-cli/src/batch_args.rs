@@ -4,6 +4,7 @@ use super::answer_args::Answer;
 use super::help_template::template;
 use clap::{Args, Subcommand};
 use sinew_runs::batch::gather::GroupBy;
+use sinew_runs::batch::plan::Share;
 use sinew_runs::batch::shard::Shard;
 use std::path::PathBuf;
 
@@ -38,6 +39,9 @@ pub(crate) struct PlanArgs {
     /// Pack results into one archive a shard in place of a folder a trial
     #[arg(long)]
     pub(crate) pack: bool,
+    /// What trials share: session (cameras, and a set-up a subject), subject (a set-up) or nothing
+    #[arg(long, value_name = "WHAT", default_value = "session")]
+    pub(crate) share: Share,
     /// Parts into which the files for schedulers cut the work
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = shards)]
     pub(crate) shards: usize,

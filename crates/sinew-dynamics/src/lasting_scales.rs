@@ -99,9 +99,32 @@ const HEAVY: f64 = 2.0;
 /// Random normals and uniforms that a number of a cluster may need.
 const LUCK: usize = 4;
 
+/// Precision with which a number is held, over that of its unit.
+const HOLD: f64 = 1e12;
+
+/// Numbers of g of which the draws are known from elsewhere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HeldDraws {
+    /// Their places.
+    pub places: Range<usize>,
+    /// Their values in each draw.
+    pub draws: Vec<Vec<f64>>,
+}
+
+impl HeldDraws {
+    /// Their means.
+    #[must_use]
+    pub fn mean(&self) -> Vec<f64> {
+        let mean = |place: usize| self.draws.iter().map(|draw| draw[place]).sum::<f64>() / self.draws.len() as f64;
+        (0..self.places.len()).map(mean).collect()
+    }
+}
+
 /// State of the sampler.
 struct Sweep<'a> {
     prior: &'a LastingPrior,
+    /// Numbers that stay where they are, by place.
+    held: Vec<Option<f64>>,
     data: &'a LastingData,
     information: MatRef<'a, f64>,
     g: Vec<f64>,
@@ -138,16 +161,36 @@ pub fn draws(
     schedule: SweepSchedule,
     stage: Stage,
 ) -> Result<LastingDraws, Error> {
+    draws_given(data, prior, schedule, stage, None)
+}
+
+/// Draws of the other numbers of g, where draw i of some is known: draw i belongs to it, in turn where there are fewer.
+///
+/// # Errors
+/// As [`draws`].
+pub fn draws_given(
+    data: &LastingData,
+    prior: &LastingPrior,
+    schedule: SweepSchedule,
+    stage: Stage,
+    held: Option<&HeldDraws>,
+) -> Result<LastingDraws, Error> {
     let p = data.pull.len();
     let mut sweep = Sweep::new(data, prior)?;
     let mut found = LastingDraws { mean: vec![0.0; p], ..LastingDraws::default() };
     let after = schedule.draws * schedule.apart.max(1);
     for round in 0..schedule.burn_in + after {
+        let since = round.checked_sub(schedule.burn_in);
+        if let Some(held) = held {
+            // From one draw to the next all sweeps are at the values of the next.
+            let draw = since.unwrap_or(0).div_ceil(schedule.apart.max(1));
+            held.draws.get(draw % held.draws.len().max(1)).into_iter().for_each(|g| sweep.hold(&held.places, g));
+        }
         let [mut normal, mut uniform] = lucks(&stage, round, LUCK * (p + 8) + 8 * prior.scales.len());
         let mean = sweep.draw_errors(&mut normal)?;
         sweep.draw_weights(&mut normal, &mut uniform);
         (0..prior.scales.len()).for_each(|scale| sweep.draw_scale(scale, &mut uniform));
-        if let Some(since) = round.checked_sub(schedule.burn_in) {
+        if let Some(since) = since {
             found.mean.iter_mut().zip(&mean).for_each(|(sum, mean)| *sum += mean / after as f64);
             if since % schedule.apart.max(1) == 0 {
                 found.errors.push(sweep.g.clone());
@@ -158,12 +201,18 @@ pub fn draws(
     Ok(found)
 }
 
-/// Mean of g where its scales are these and no cluster is far off. Unlike the mean over draws it is not moved by the few in which a scale of which the data say little is large.
+/// Mean of g where its scales are these, no cluster is far off, and numbers that are held are at their means. Unlike the mean over draws it is not moved by the few in which a scale of which the data say little is large.
 ///
 /// # Errors
 /// As [`draws`].
-pub fn mean_at(data: &LastingData, prior: &LastingPrior, scales: &[f64]) -> Result<Vec<f64>, Error> {
+pub fn mean_at(
+    data: &LastingData,
+    prior: &LastingPrior,
+    scales: &[f64],
+    held: Option<&HeldDraws>,
+) -> Result<Vec<f64>, Error> {
     let mut sweep = Sweep::new(data, prior)?;
+    held.into_iter().for_each(|held| sweep.hold(&held.places, &held.mean()));
     sweep.log_scales = scales.iter().map(|scale| scale.ln()).collect();
     Ok(sweep.conditional()?.0)
 }
@@ -197,10 +246,16 @@ impl<'a> Sweep<'a> {
             data,
             // Symmetric: the order of its entries does not matter.
             information: MatRef::from_column_major_slice(&data.information, p, p),
+            held: vec![None; p],
             g: vec![0.0; p],
             log_scales: prior.scales.iter().map(|scale| scale.median.ln()).collect(),
             weights: vec![1.0; prior.clusters.len()],
         })
+    }
+
+    /// Holds numbers at their values.
+    fn hold(&mut self, places: &Range<usize>, values: &[f64]) {
+        places.clone().zip(values).for_each(|(place, value)| self.held[place] = Some(*value));
     }
 
     /// Standard deviation of a cluster's numbers over their units.
@@ -220,6 +275,10 @@ impl<'a> Sweep<'a> {
                 let precision = (unit * size).powi(-2);
                 matrix[(place, place)] += precision;
                 right[(place, 0)] += precision * mean;
+                if let Some(value) = self.held[place] {
+                    matrix[(place, place)] += HOLD * unit.powi(-2);
+                    right[(place, 0)] += HOLD * unit.powi(-2) * value;
+                }
             }
         }
         let Ok(factor) = matrix.llt(Side::Lower) else {
@@ -234,7 +293,8 @@ impl<'a> Sweep<'a> {
         let (mean, factor) = self.conditional()?;
         let mut away = Mat::from_fn(mean.len(), 1, |_, _| normal.take());
         factor.L().transpose().solve_upper_triangular_in_place(away.as_mut());
-        self.g = mean.iter().enumerate().map(|(i, mean)| mean + away[(i, 0)]).collect();
+        let drawn = |(i, mean): (usize, &f64)| self.held[i].unwrap_or(mean + away[(i, 0)]);
+        self.g = mean.iter().enumerate().map(drawn).collect();
         Ok(mean)
     }
 
@@ -282,6 +342,11 @@ impl<'a> Sweep<'a> {
         let mut deviations: Vec<(usize, f64, f64)> = vec![];
         for (_, cluster) in clusters() {
             deviations.extend(cluster.numbers.iter().map(|&(place, mean, _)| (place, mean, self.g[place] - mean)));
+        }
+        if deviations.iter().any(|&(place, ..)| self.held[place].is_some()) {
+            // Known values do not grow with their scale.
+            self.log_scales[scale] = now;
+            return;
         }
         let (mut curvature, mut slope) = (0.0, 0.0);
         for &(place, _, deviation) in &deviations {

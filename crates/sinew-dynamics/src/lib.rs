@@ -42,6 +42,7 @@ pub mod persistent_errors;
 pub mod primitives;
 pub mod prior;
 pub mod random_walk;
+pub mod shared_numbers;
 pub mod smoother;
 
 pub use error::Error;

@@ -3,7 +3,7 @@
 use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::Stage;
 use sinew_dynamics::lasting_scales::{
-    LastingData, LastingPrior, PriorCluster, ScalePrior, SweepSchedule, alike, draws, mean_at,
+    HeldDraws, LastingData, LastingPrior, PriorCluster, ScalePrior, SweepSchedule, alike, draws, draws_given, mean_at,
 };
 
 const COUNT: usize = 9;
@@ -66,18 +66,30 @@ fn simulated(run: u64) -> (Vec<f64>, Vec<f64>, LastingData) {
 /// Problems drawn as the prior says: ranks of the truth among draws are uniform. χ² of ten cells, false alarm 1e-6 each.
 #[test]
 fn ranks_of_the_truth_are_uniform() {
+    check_ranks(0..0);
+}
+
+/// The same where some numbers, which share a scale with others, are known.
+#[test]
+fn ranks_are_uniform_given_some_numbers() {
+    check_ranks(1..3);
+}
+
+fn check_ranks(known: std::ops::Range<usize>) {
     const RUNS: u64 = 500;
     let mut cells = vec![[0.0; 10]; COUNT + 2];
     for run in 0..RUNS {
         let (g, scales, data) = simulated(run);
         let schedule = SweepSchedule { draws: 99, burn_in: 60, apart: 4 };
-        let found = draws(&data, &prior(), schedule, Stage::new(run, "draws")).expect("a posterior");
+        let held = HeldDraws { places: known.clone(), draws: vec![g[known.clone()].to_vec()] };
+        let held = (!known.is_empty()).then_some(&held);
+        let found = draws_given(&data, &prior(), schedule, Stage::new(run, "draws"), held).expect("a posterior");
         for (k, (cells, truth)) in cells.iter_mut().zip(g.iter().chain(&scales)).enumerate() {
             let of = |draw: usize| if k < COUNT { found.errors[draw][k] } else { found.scales[draw][k - COUNT] };
             cells[(0..99).filter(|&draw| of(draw) < *truth).count() / 10] += 1.0;
         }
     }
-    for (k, cells) in cells.iter().enumerate() {
+    for (k, cells) in cells.iter().enumerate().filter(|(k, _)| !known.contains(k)) {
         let expected = RUNS as f64 / 10.0;
         let square: f64 = cells.iter().map(|cell| (cell - expected).powi(2) / expected).sum();
         assert!(square < 45.1, "number {k}: {cells:?}");
@@ -162,7 +174,7 @@ fn the_mean_at_some_scales_is_where_their_posterior_is_flat() {
     let (prior, scales) = (prior(), [0.3, 2.0]);
     for run in 0..5 {
         let (_, _, data) = simulated(run);
-        let g = mean_at(&data, &prior, &scales).expect("valid");
+        let g = mean_at(&data, &prior, &scales, None).expect("valid");
         for cluster in &prior.clusters {
             let size = cluster.scale.map_or(1.0, |scale| scales[scale]);
             for &(place, mean, unit) in &cluster.numbers {

@@ -68,17 +68,30 @@ pub struct SyntheticRecording {
     pub rate_hz: f64,
 }
 
+/// The walker of a script: body, states and where its points are.
+fn walk(script: &Script) -> (KinematicTree, Vec<Vec<f64>>, Trajectories) {
+    let gait = Gait { duration_s: script.duration_s, proportions: script.proportions, ..Gait::default() };
+    let walker = Walker::new(gait);
+    let states = walker_states(&walker, script.rate_hz);
+    let truth = points_of_states(&walker.body, &states);
+    (walker.body, states, truth)
+}
+
 impl SyntheticRecording {
     /// Records the walker of a script; the same seed gives the same recording on every machine.
     ///
     /// # Errors
     /// As [`around`]: a ring whose numbers are not finite and positive.
     pub fn new(script: &Script, seed: u64) -> Result<Self, Error> {
-        let gait = Gait { duration_s: script.duration_s, proportions: script.proportions, ..Gait::default() };
-        let walker = Walker::new(gait);
-        let states = walker_states(&walker, script.rate_hz);
-        let truth = points_of_states(&walker.body, &states);
-        Self::from_motion(walker.body, states, truth, script, seed)
+        let (body, states, truth) = walk(script);
+        Self::from_motion(body, states, truth, script, seed)
+    }
+
+    /// Records the walker of a script before the cameras of a session, whose differences from their calibration are those of the session's seed.
+    #[must_use]
+    pub fn in_session(script: &Script, cameras: &[Camera], session_seed: u64, seed: u64) -> Self {
+        let (body, states, truth) = walk(script);
+        Self::before(cameras.to_vec(), session_seed, (body, states, truth), script, seed)
     }
 
     /// Records any motion of a body: `truth` holds the points that the detector sees and that estimates are compared with, either the points of the body in its states or
@@ -93,15 +106,24 @@ impl SyntheticRecording {
         script: &Script,
         seed: u64,
     ) -> Result<Self, Error> {
-        let cameras = around(&truth, &script.ring)?;
+        Ok(Self::before(around(&truth, &script.ring)?, seed, (body, states, truth), script, seed))
+    }
+
+    fn before(
+        cameras: Vec<Camera>,
+        cameras_seed: u64,
+        (body, states, truth): (KinematicTree, Vec<Vec<f64>>, Trajectories),
+        script: &Script,
+        seed: u64,
+    ) -> Self {
         let layout = body_25b();
         let stage = Stage::new(seed, "synthetic recording");
-        let true_cameras = as_they_are(&cameras, &script.calibration, &Stage::new(seed, "calibration"));
+        let true_cameras = as_they_are(&cameras, &script.calibration, &Stage::new(cameras_seed, "calibration"));
         let lags_frames = lags_frames(cameras.len(), &script.calibration, &Stage::new(seed, "lags"));
         let Detections { offsets_px, keypoints } =
             detect(&truth, &layout, (&true_cameras, &lags_frames), &script.noise, stage);
         let rate_hz = script.rate_hz;
-        Ok(Self { body, states, truth, cameras, offsets_px, lags_frames, layout, keypoints, rate_hz })
+        Self { body, states, truth, cameras, offsets_px, lags_frames, layout, keypoints, rate_hz }
     }
 
     /// The calibration as text of `Calib.toml`.
@@ -196,6 +218,16 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn recordings_of_a_session_have_the_same_cameras_and_other_detections() {
+        let script = Script { duration_s: 1.5, calibration: CalibrationError::USUAL, ..Script::default() };
+        let first = SyntheticRecording::new(&script, 5).unwrap();
+        assert_eq!(SyntheticRecording::in_session(&script, &first.cameras, 5, 5), first);
+        let other = SyntheticRecording::in_session(&script, &first.cameras, 5, 6);
+        assert_eq!(other.calibration_toml(), first.calibration_toml());
+        assert_ne!(other.keypoints, first.keypoints);
     }
 
     #[test]

@@ -1,6 +1,8 @@
 //! Many trials: shards, what is missing, trials that fail, packed results, one set-up for a subject.
 
 use crate::common::{Trial, files, trial};
+use sinew::setup::Setup;
+use sinew::setup::lasting_errors::DrawnNumber;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -93,6 +95,53 @@ fn shards_archives_and_a_killed_shard_hold_the_files_of_a_run_in_one_piece() {
     // Trials of one subject have one set-up, and with it the same draws of what is constant.
     let setup = |name: &str| fs::read(trial.path(&format!("whole/results/{name}/setup.toml"))).unwrap();
     assert!(setup("anna/run") == setup("anna/walk") && setup("anna/run") != setup("other/walk"));
+}
+
+/// What is constant, in each draw of a trial's set-up, by name.
+fn constants(trial: &Trial, results: &str) -> BTreeMap<String, Vec<f64>> {
+    let text = fs::read_to_string(trial.path(results).join("setup.toml")).unwrap();
+    let known = Setup::from_toml("setup.toml", &text).unwrap().lasting.unwrap();
+    let draws = |number: &DrawnNumber| number.draws.iter().map(|draw| number.value + draw).collect();
+    known.number.iter().map(|number| (number.name.clone(), draws(number))).collect()
+}
+
+/// Whether all draws of all numbers of cameras are the same in two trials, to the digits that are stored.
+fn has_same_cameras(trial: &Trial, study: &str) -> bool {
+    let [anna, bob] = ["anna/run", "other/walk"].map(|name| constants(trial, &format!("{study}/results/{name}")));
+    assert!(anna["body.thigh_m"] != bob["body.thigh_m"]);
+    let is_of_camera = |name: &&String| {
+        let (of, name) = name.split_once('.').unwrap();
+        of != "body" && !name.contains("bias") && !name.contains("lag")
+    };
+    let names: Vec<&String> = anna.keys().filter(is_of_camera).collect();
+    assert_eq!(names.len() % 10, 0, "{names:?}");
+    assert!(names.len() >= 20, "{names:?}");
+    let largest = |draws: &[f64]| draws.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    names.iter().all(|name| {
+        let (a, b) = (&anna[*name], &bob[*name]);
+        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-4 * largest(&anna[*name]))
+    })
+}
+
+#[test]
+fn subjects_of_a_session_share_its_cameras() {
+    let trial = recordings();
+    fs::write(trial.path("recordings/other/sinew.toml"), "subject = \"bob\"\n").unwrap();
+    let run = |study: &str, share: &str, runs: &[&str]| {
+        assert_eq!(batch(&trial, &["plan", "recordings", "-o", "study", "--share", share]).status.code(), Some(0));
+        for shard in runs {
+            let output = batch(&trial, &["run", "study", "--shard", shard]);
+            assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+        }
+        fs::rename(trial.path("study"), trial.path(study)).unwrap();
+    };
+    run("session", "session", &["0/1"]);
+    run("parts", "session", &["1/2", "0/2"]);
+    run("subject", "subject", &["0/1"]);
+    assert!(results(&trial.path("session/results")) == results(&trial.path("parts/results")));
+    assert!(has_same_cameras(&trial, "session") && !has_same_cameras(&trial, "subject"));
+    let refused = batch(&trial, &["plan", "recordings", "-o", "study", "--share", "cameras"]);
+    assert!(trial.printed(&refused).contains("session, subject, nothing"), "{}", trial.printed(&refused));
 }
 
 #[test]

@@ -105,11 +105,7 @@ pub fn prior(
     tied: usize,
     frame_s: f64,
 ) -> LastingPrior {
-    let mut clusters = vec![];
-    for camera in 0..errors.cameras {
-        let numbers = errors.camera(camera).zip(CAMERA_UNITS).map(|(place, unit)| (place, 0.0, unit)).collect();
-        clusters.push(PriorCluster { numbers, scale: Some(0), heavy_tails: true, tied: 0 });
-    }
+    let LastingPrior { mut clusters, scales: of_cameras } = camera_prior(errors.cameras);
     let usual = lengths(&Proportions::default());
     let length = |(place, (usual, own)): (usize, (&f64, f64))| (place, usual - own, LENGTH_SHARE * usual);
     let numbers = errors.lengths().zip(usual.iter().zip(lengths(subject))).map(length).collect();
@@ -134,11 +130,21 @@ pub fn prior(
         clusters.push(PriorCluster { numbers, scale: Some(LAGS), heavy_tails: true, tied: 0 });
     }
     let mut scales = vec![POINTS; SCALES.len()];
-    scales[0] = ScalePrior { median: 1.0, log_sd: 1.0 };
+    scales[..of_cameras.len()].copy_from_slice(&of_cameras);
     scales[PLACES[1]] = ENDS;
     scales[FIRST_KIND + HIPS] = HIP_BIASES;
     scales[LAGS] = ScalePrior { median: LATE_FRAMES.median * frame_s, ..LATE_FRAMES };
     LastingPrior { clusters, scales }
+}
+
+/// The prior of cameras alone, whose numbers come first.
+#[must_use]
+pub fn camera_prior(cameras: usize) -> LastingPrior {
+    let errors = LastingErrors { cameras, lengths: 0, points: 0 };
+    let numbers = |camera| errors.camera(camera).zip(CAMERA_UNITS).map(|(place, unit)| (place, 0.0, unit)).collect();
+    let cluster = |camera| PriorCluster { numbers: numbers(camera), scale: Some(0), heavy_tails: true, tied: 0 };
+    let scales = vec![ScalePrior { median: 1.0, log_sd: 1.0 }];
+    LastingPrior { clusters: (0..cameras).map(cluster).collect(), scales }
 }
 
 #[cfg(test)]

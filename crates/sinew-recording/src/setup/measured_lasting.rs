@@ -22,6 +22,7 @@ use super::looked_frames::{Looked, looked_at, middle, observed_by};
 use super::measured_mistakes;
 use super::motion_noise::{default_sd, initial_sd};
 use super::scatter::like_the_others;
+use super::shared_cameras::{CameraInformation, SharedCameras};
 use super::stored::Setup;
 use crate::Error;
 use crate::input::source::FrameSource;
@@ -30,7 +31,10 @@ use sinew_body::point_derivatives::{Neighbours, PointDerivatives, length_names, 
 use sinew_core::random::Stage;
 use sinew_core::transition::Moments;
 use sinew_dynamics::lasting::{FrameInformation, Lasting, informed};
-use sinew_dynamics::lasting_scales::{LastingData, LastingDraws, LastingPrior, SweepSchedule, draws, mean_at};
+use sinew_dynamics::lasting_scales::{
+    HeldDraws, LastingData, LastingDraws, LastingPrior, SweepSchedule, draws_given, mean_at,
+};
+use sinew_dynamics::shared_numbers::said_of;
 use sinew_dynamics::smoother::Smoother;
 use sinew_observe::camera_error::{NUMBERS, PRINCIPAL_POINT, with_error};
 use sinew_observe::lasting_errors::{
@@ -65,12 +69,29 @@ pub fn measure_lasting(
     fps: f64,
     seed: u64,
 ) -> Result<(), Error> {
+    measure_lasting_with(setup, source, numbers, fps, seed, None).map(drop)
+}
+
+/// As [`measure_lasting`], with cameras that other recordings share, if these are the cameras of the source; gives what its own frames say of them.
+///
+/// # Errors
+/// As [`measure_lasting`].
+pub fn measure_lasting_with(
+    setup: &mut Setup,
+    source: &mut dyn FrameSource,
+    numbers: Range<u64>,
+    fps: f64,
+    seed: u64,
+    shared_cameras: Option<&SharedCameras>,
+) -> Result<CameraInformation, Error> {
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let tree = setup.tree();
     let shared: Vec<(usize, usize)> =
         tree.points().iter().enumerate().filter_map(|(p, point)| Some((p, layout.index(&point.name)?))).collect();
     let looked = looked_at(setup, source, &tree, &shared, numbers, fps)?;
     let mut fit = Fit::new(setup, &tree, &cameras, &shared, looked, fps);
+    let names: Vec<String> = cameras.iter().map(|camera| camera.name.clone()).collect();
+    fit.held = shared_cameras.filter(|shared| shared.cameras == names).map(|shared| shared.held.clone());
     fit.at_errors(&cameras);
     for round in 0..ROUNDS {
         let pass = fit.pass()?;
@@ -89,8 +110,11 @@ pub fn measure_lasting(
     let keypoint_at = |name: &str| fit.points.iter().position(|own| own == name && setup.follows_detectors(name));
     let build = |sizes: &_| setup.body.tree(sizes);
     let source = point_sources(build, &setup.proportions, &fit.errors, &found, &poses, keypoint_at);
+    let scales = fit.median_scales(&found);
+    let said = said_of(&fit.levelled(&pass.data), &fit.prior, &scales, &(0..NUMBERS * cameras.len()))?;
     fit.store(setup, found, source);
-    Ok(())
+    let LastingData { information, pull } = said;
+    Ok(CameraInformation { cameras: names, world_up: setup.world_up.clone(), information, pull })
 }
 
 fn median_scale(found: &LastingDraws, scale: usize) -> f64 {
@@ -120,6 +144,8 @@ struct Fit {
     body: Neighbours,
     model: KeypointModel,
     prior: LastingPrior,
+    /// Draws of cameras that are known from elsewhere, too.
+    held: Option<HeldDraws>,
     level: Vec<LevelPoints>,
     points: Vec<String>,
     middle: [f64; 3],
@@ -170,6 +196,7 @@ impl Fit {
         let step = |seconds: &f64| motion.iter().map(|sd| UNTIED * sd * seconds.sqrt()).collect();
         Self {
             prior: prior(&errors, &points, &setup.proportions, &expected, tied(&level), fps.recip()),
+            held: None,
             level,
             model: observed_by(setup, tree, cameras, &indices),
             scales: cameras.iter().map(|camera| pixels_per_metre(camera, middle)).collect(),
@@ -403,14 +430,21 @@ impl Fit {
 
     /// Puts g to its mean at the medians of its drawn scales: where cameras tell little of their scale, the mean of a few draws may be far off, and the next round linearises there.
     fn settle(&mut self, data: &LastingData, found: &LastingDraws) -> Result<(), Error> {
-        let scales: Vec<f64> = (0..self.prior.scales.len()).map(|scale| median_scale(found, scale)).collect();
-        self.g = mean_at(&levelled(data, &self.errors, &self.unmoved, &self.level), &self.prior, &scales)?;
+        self.g = mean_at(&self.levelled(data), &self.prior, &self.median_scales(found), self.held.as_ref())?;
         Ok(())
+    }
+
+    fn median_scales(&self, found: &LastingDraws) -> Vec<f64> {
+        (0..self.prior.scales.len()).map(|scale| median_scale(found, scale)).collect()
+    }
+
+    fn levelled(&self, data: &LastingData) -> LastingData {
+        levelled(data, &self.errors, &self.unmoved, &self.level)
     }
 
     /// Draws g, and keeps its mean and the sizes of its prior.
     fn drawn(&mut self, data: &LastingData, schedule: SweepSchedule, stage: Stage) -> Result<LastingDraws, Error> {
-        let found = draws(&levelled(data, &self.errors, &self.unmoved, &self.level), &self.prior, schedule, stage)?;
+        let found = draws_given(&self.levelled(data), &self.prior, schedule, stage, self.held.as_ref())?;
         for cluster in &self.prior.clusters {
             let size = cluster.scale.map_or(1.0, |scale| median_scale(&found, scale));
             cluster.numbers.iter().for_each(|(place, mean, unit)| self.expected[*place] = [*mean, unit * size]);

@@ -110,10 +110,14 @@ pub fn unpacked(
     let failed = |error| sinew::Error::io("read", &path)(error);
     let mut file = File::open(&path).map_err(failed)?;
     file.seek(SeekFrom::Start(packed.offset)).map_err(failed)?;
-    let mut archive = tar::Archive::new(file.take(packed.length));
+    let mut archive = tar::Archive::new(file);
     let mut found = vec![];
-    for entry in archive.entries().map_err(failed)? {
+    // Files that are not wanted are passed over, not read.
+    for entry in archive.entries_with_seek().map_err(failed)? {
         let mut entry = entry.map_err(failed)?;
+        if entry.raw_header_position() >= packed.length {
+            break;
+        }
         let name = entry.path().map_err(failed)?.to_string_lossy().into_owned();
         if is_wanted(&name) {
             let mut bytes = vec![];

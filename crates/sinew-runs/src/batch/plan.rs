@@ -12,6 +12,7 @@ use sinew::results::write_whole;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::time::UNIX_EPOCH;
 
 /// Most bytes of a list of tasks.
@@ -27,6 +28,40 @@ pub struct StudyPlan {
     pub root: PathBuf,
     /// Whether results are packed into one archive a shard.
     pub packed: bool,
+    /// What trials share.
+    #[serde(default)]
+    pub share: Share,
+}
+
+/// What trials share.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Share {
+    /// Trials of a session (one calibration) the cameras, and trials of a subject in it a set-up.
+    #[default]
+    Session,
+    /// Trials of a subject in a session a set-up.
+    Subject,
+    /// Nothing: each trial has a set-up of its own.
+    Nothing,
+}
+
+impl Share {
+    /// The words for it.
+    pub const NAMES: [&str; 3] = ["session", "subject", "nothing"];
+}
+
+impl FromStr for Share {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "session" => Ok(Self::Session),
+            "subject" => Ok(Self::Subject),
+            "nothing" => Ok(Self::Nothing),
+            _ => Err(format!("must be one of {}", Self::NAMES.join(", "))),
+        }
+    }
 }
 
 /// A trial to be tracked.
@@ -64,25 +99,29 @@ impl Task {
 ///
 /// # Errors
 /// [`Error::NoTrials`]; folders that cannot be read.
-pub fn plan(root: &Path) -> Result<Vec<Task>, Error> {
+pub fn plan(root: &Path, share: Share) -> Result<Vec<Task>, Error> {
     let root = std::path::absolute(root).map_err(sinew::Error::io("read", root))?;
     let found = trials::find(&root)?;
     if found.is_empty() {
         return Err(Error::NoTrials(root));
     }
     let mut tasks: Vec<Task> = found.iter().map(|trial| task(trial, &root)).collect();
-    // A set-up that is shared depends on all who share it.
-    let mut pool_hashes: BTreeMap<String, u64> = BTreeMap::new();
-    for task in &tasks {
-        if let Some(pool) = &task.pool {
-            let hash = pool_hashes.entry(pool.clone()).or_insert(FNV_START);
-            *hash = fnv(*hash, task.hash.as_bytes());
-        }
+    if share == Share::Nothing {
+        tasks.iter_mut().for_each(|task| task.pool = None);
+    }
+    // A set-up that is shared depends on all who share it, or its cameras.
+    let sharing = |task: &Task| match share {
+        Share::Session => task.session.clone(),
+        Share::Subject | Share::Nothing => task.pool.clone().unwrap_or_default(),
+    };
+    let mut hashes: BTreeMap<String, u64> = BTreeMap::new();
+    for task in tasks.iter().filter(|task| task.pool.is_some()) {
+        let hash = hashes.entry(sharing(task)).or_insert(FNV_START);
+        *hash = fnv(*hash, task.hash.as_bytes());
     }
     for task in &mut tasks {
-        if let Some(pool) = &mut task.pool
-            && let Some(hash) = pool_hashes.get(pool)
-        {
+        let hash = hashes.get(&sharing(task));
+        if let (Some(pool), Some(hash)) = (&mut task.pool, hash) {
             task.hash = format!("{:016x}", fnv(*hash, task.hash.as_bytes()));
             *pool = format!("{pool}-{hash:016x}");
         }
@@ -223,7 +262,8 @@ mod tests {
     #[test]
     fn a_hash_changes_with_settings_and_inputs_of_the_trial_and_of_who_shares_its_set_up() {
         let root = study();
-        let hashes = || plan(root.path()).unwrap().into_iter().map(|task| task.hash).collect::<Vec<_>>();
+        let hashes =
+            || plan(root.path(), Share::Session).unwrap().into_iter().map(|task| task.hash).collect::<Vec<_>>();
         let before = hashes();
         assert_eq!(before, hashes());
         let changed = || hashes().iter().zip(&before).map(|(a, b)| a != b).collect::<Vec<_>>();
@@ -241,19 +281,37 @@ mod tests {
     #[test]
     fn trials_of_a_subject_share_a_set_up() {
         let root = study();
-        let tasks = plan(root.path()).unwrap();
+        let tasks = plan(root.path(), Share::Session).unwrap();
         assert!(tasks[0].pool.is_some() && tasks[0].pool == tasks[1].pool && tasks[2].pool.is_none());
         assert!(tasks.iter().all(|task| task.session == tasks[0].session && task.problem.is_none()));
+    }
+
+    #[test]
+    fn subjects_of_a_session_share_cameras_if_they_are_to() {
+        let root = study();
+        write_file(root.path(), "S2/sinew.toml", "subject = \"S2\"\n");
+        let before = |share| plan(root.path(), share).unwrap();
+        let [session, subject, nothing] = [Share::Session, Share::Subject, Share::Nothing].map(before);
+        assert!(nothing.iter().all(|task| task.pool.is_none()));
+        assert!(session.iter().chain(&subject).all(|task| task.pool.is_some()));
+        write_file(root.path(), "S2/a/pose/c1_json/c1_0.json", "other");
+        let changed = |before: &[Task], share| {
+            let now = plan(root.path(), share).unwrap();
+            now.iter().zip(before).map(|(now, before)| now.hash != before.hash).collect::<Vec<_>>()
+        };
+        assert_eq!(changed(&session, Share::Session), [true; 3]);
+        assert_eq!(changed(&subject, Share::Subject), [false, false, true]);
+        assert_eq!(changed(&nothing, Share::Nothing), [false, false, true]);
     }
 
     #[test]
     fn a_trial_that_cannot_be_run_has_a_task_that_says_why() {
         let root = study();
         write_file(root.path(), "S2/a/sinew.toml", "paticles = 3\nkeypoints = \"pose\"");
-        let tasks = plan(root.path()).unwrap();
+        let tasks = plan(root.path(), Share::Session).unwrap();
         assert!(tasks[2].problem.as_ref().unwrap().contains("paticles"), "{:?}", tasks[2]);
         write_file(root.path(), "S2/a/sinew.toml", "calibration = \"none.toml\"\nkeypoints = \"pose\"");
-        let tasks = plan(root.path()).unwrap();
+        let tasks = plan(root.path(), Share::Session).unwrap();
         assert!(tasks[2].problem.as_ref().unwrap().contains("none.toml"), "{:?}", tasks[2]);
         assert!(tasks[0].problem.is_none());
     }
@@ -261,9 +319,10 @@ mod tests {
     #[test]
     fn plans_are_read_back() {
         let root = study();
-        let tasks = plan(root.path()).unwrap();
+        let tasks = plan(root.path(), Share::Session).unwrap();
         let folder = root.path().join("study");
-        let known = StudyPlan { sinew_version: "0".into(), root: root.path().into(), packed: false };
+        let known =
+            StudyPlan { sinew_version: "0".into(), root: root.path().into(), packed: false, share: Share::Subject };
         write(&folder, &known, &tasks).unwrap();
         assert_eq!(read(&folder).unwrap(), (known, tasks));
         assert!(matches!(read(root.path()), Err(Error::NotAStudy(_))));

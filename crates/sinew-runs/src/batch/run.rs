@@ -7,8 +7,8 @@ use super::angle_draws::write_angle_draws;
 use super::keeping::{Ended, Keeping};
 use super::ledger::{EndedTask, Ledger, Packed, TaskEnd, ended};
 use super::packed::Archive;
-use super::plan::{StudyPlan, Task, read};
-use super::pooled_setup::PooledSetups;
+use super::plan::{Share, StudyPlan, Task, read};
+use super::pooled_setup::{PooledSetups, Shared};
 use super::scratch::Scratch;
 use super::shard::Shard;
 use crate::listener::{Deaf, Listener};
@@ -193,7 +193,9 @@ impl Study<'_> {
         // A set-up that another trial makes is waited for: that is set-up, too.
         let started = Instant::now();
         let pool = task.pool.as_ref();
-        let shared = pool.map(|pool| self.setups.of(&self.plan.root, pool, &self.tasks, &quiet)).transpose()?;
+        let cameras = self.plan.share == Share::Session;
+        let study = Shared { root: &self.plan.root, tasks: &self.tasks, cameras, listener: self.listener };
+        let shared = pool.map(|pool| self.setups.of(&study, pool, &quiet)).transpose()?;
         let waited_s = started.elapsed().as_secs_f64();
         given.extend(shared.iter().map(|shared| ("setup", shared.path.to_string_lossy().into_owned())));
         let mut resolved = task.as_trial().settings(&self.plan.root, &given)?;

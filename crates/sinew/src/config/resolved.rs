@@ -12,6 +12,7 @@ use sinew_formats::nearest::nearest;
 use sinew_recording::Problems;
 use sinew_recording::input::recording::given::GivenRecording;
 use sinew_recording::setup::KnownSetup;
+use sinew_recording::setup::shared_cameras::SharedCameras;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -36,6 +37,8 @@ pub struct Resolved {
     pub given: Option<Arc<GivenRecording>>,
     /// What the file of the setting `setup` holds, where it was read before.
     pub known_setup: Option<Arc<KnownSetup>>,
+    /// Cameras that other recordings share, beside what the frames of this one say of them.
+    pub shared_cameras: Option<Arc<SharedCameras>>,
     /// Variables that look like settings and are none.
     pub warnings: Vec<String>,
 }

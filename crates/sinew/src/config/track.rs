@@ -19,6 +19,7 @@ use sinew_recording::input::footage::{FootageFiles, Init};
 use sinew_recording::input::lag::ClockLag;
 use sinew_recording::input::recording::given::GivenRecording;
 use sinew_recording::setup::KnownSetup;
+use sinew_recording::setup::shared_cameras::SharedCameras;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -74,6 +75,8 @@ pub struct TrackConfig {
     pub setup: Option<PathBuf>,
     /// What that file holds, where it was read before.
     pub known_setup: Option<Arc<KnownSetup>>,
+    /// Cameras that other recordings share.
+    pub shared_cameras: Option<Arc<SharedCameras>>,
     /// Frames for the set-up pass.
     pub setup_frames: Option<Range<u64>>,
     /// Learned motion model.
@@ -143,6 +146,7 @@ impl Resolved {
             body: self.values.text("body").unwrap_or_default(),
             setup: self.values.path("setup"),
             known_setup: self.known_setup.clone(),
+            shared_cameras: self.shared_cameras.clone(),
             setup_frames: self.values.frames("setup_frames"),
             motion_model: self.values.path("motion_model"),
             latent: self.values.path("latent"),

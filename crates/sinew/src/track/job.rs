@@ -34,6 +34,7 @@ use crate::Error;
 use crate::config::Resolved;
 use crate::input::source::FrameSource;
 use crate::results::{Claim, ResultFolder};
+use crate::setup::shared_cameras::CameraInformation;
 use backward::smoothed;
 use begin::{Begun, begun, resumed};
 use colours::compared_colours;
@@ -44,20 +45,26 @@ use keeper::Keeper;
 use run_info::run_info;
 use std::ops::Range;
 
-/// The set-up of a source alone, as `setup.toml` has it, and what is odd about it.
+/// A set-up that was made alone.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MadeSetup {
+    /// As `setup.toml` has it.
+    pub toml: String,
+    /// What the source says of its cameras; none where a set-up was given.
+    pub said_of_cameras: Option<CameraInformation>,
+    /// What is odd.
+    pub warnings: Vec<String>,
+}
+
+/// The set-up of a source alone.
 ///
 /// # Errors
 /// Errors of the source and the set-up; an interrupt.
-pub fn set_up<S: FrameSource>(
-    source: &mut S,
-    resolved: &Resolved,
-    watch: &mut Watch<'_>,
-) -> Result<(String, Vec<String>), Error> {
+pub fn set_up<S: FrameSource>(source: &mut S, resolved: &Resolved, watch: &mut Watch<'_>) -> Result<MadeSetup, Error> {
     let config = resolved.track();
     let (settings, frames) = (config.settings()?, source.frames());
-    let Checkpoint { setup_toml, warnings, .. } =
-        begun(source, frames, resolved, &config, &settings, watch)?.checkpoint;
-    Ok((setup_toml, warnings))
+    let Begun { checkpoint, said_of_cameras, .. } = begun(source, frames, resolved, &config, &settings, watch)?;
+    Ok(MadeSetup { toml: checkpoint.setup_toml, said_of_cameras, warnings: checkpoint.warnings })
 }
 
 /// Tracks the frames of a source into a claimed folder, from the first on or from where a run was stopped.
@@ -80,7 +87,7 @@ pub fn track<S: FrameSource>(
     let settings = config.settings()?;
     let inputs = Inputs { hash_source: inputs, settings_hashes: file_hashes(resolved)? };
     let folder = claim.folder().to_owned();
-    let Begun { mut source, setup, checkpoint } = match from {
+    let Begun { mut source, setup, checkpoint, .. } = match from {
         Some(from) => resumed(source, from, resolved, &settings, &inputs, &folder, watch)?,
         None => begun(source, setup_frames, resolved, &config, &settings, watch)?,
     };

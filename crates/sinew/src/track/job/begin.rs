@@ -13,6 +13,7 @@ use crate::config::track::DEFAULT_FPS;
 use crate::input::source::FrameSource;
 use crate::input::up_axis::axis_before_turning;
 use crate::input::upright::Upright;
+use crate::setup::shared_cameras::CameraInformation;
 use crate::setup::{self, KnownSetup, Setup, SetupRequest, SetupWarning};
 use crate::track::checkpoint::Checkpoint;
 use crate::track::error::TrackError;
@@ -29,6 +30,8 @@ pub(super) struct Begun<'a, S> {
     pub(super) source: Upright<'a, S>,
     pub(super) setup: Setup,
     pub(super) checkpoint: Checkpoint,
+    /// What its own frames say of the cameras, where the set-up was made from them.
+    pub(super) said_of_cameras: Option<CameraInformation>,
 }
 
 /// A run from its beginning, with a set-up of its own or of an earlier run.
@@ -51,20 +54,21 @@ pub(super) fn begun<'a, S: FrameSource>(
     }
     let known_setup = known.map(|known| &known.setup);
     let (mut source, up_sd_deg) = levelled(source, &setup_frames, config, known_setup, watch, &mut warnings)?;
-    let (setup, setup_toml) = match known {
+    let (setup, setup_toml, said_of_cameras) = match known {
         Some(KnownSetup { setup, toml }) => {
             same_calibration(&mut source, config.image_scale)?;
             let person = if source.shows_one() { 0 } else { setup.person };
             let is_same = person == setup.person;
             let setup = Setup { person, ..setup.clone() };
             let toml = if is_same { toml.clone() } else { setup.to_toml()? };
-            (setup, toml)
+            (setup, toml, None)
         }
         None => {
-            let setup = set_up(&mut source, setup_frames, config, settings, watch, &mut warnings)?;
+            let (setup, said) = set_up(&mut source, setup_frames, config, settings, watch, &mut warnings)?;
             let setup = Setup { world_up: source.up().into(), world_up_sd_deg: up_sd_deg, ..setup };
             let toml = setup.to_toml()?;
-            (setup, toml)
+            let said = CameraInformation { world_up: setup.world_up.clone(), ..said };
+            (setup, toml, Some(said))
         }
     };
     warnings.extend(colour_warning(&setup, &mut source, settings)?);
@@ -78,7 +82,7 @@ pub(super) fn begun<'a, S: FrameSource>(
         texts: [resolved.to_toml(), resolved.to_json().to_string(), resolved.hash()],
         ..Checkpoint::default()
     };
-    Ok(Begun { source, setup, checkpoint })
+    Ok(Begun { source, setup, checkpoint, said_of_cameras })
 }
 
 /// A run where it was stopped: what it had read is read again, which shows whether it is the same and counts what is odd about it.
@@ -101,7 +105,7 @@ pub(super) fn resumed<'a, S: FrameSource>(
         watch.check("before tracking went on; nothing was changed")
     })?;
     checkpoint.check_inputs(&inputs.hashes(source.source()), &source.frames()).map_err(refused)?;
-    Ok(Begun { source, setup, checkpoint })
+    Ok(Begun { source, setup, checkpoint, said_of_cameras: None })
 }
 
 /// Frames that are looked at to see whether a set-up of an earlier run belongs to the calibration.
@@ -157,7 +161,7 @@ fn set_up<S: FrameSource>(
     settings: &Settings,
     watch: &mut Watch<'_>,
     warnings: &mut Vec<String>,
-) -> Result<Setup, Error> {
+) -> Result<(Setup, CameraInformation), Error> {
     let body = bodies::to_track(&config.body)?;
     let request = SetupRequest {
         body,
@@ -190,9 +194,11 @@ fn set_up<S: FrameSource>(
     warnings.extend(found.map(|warning| warning.to_string()));
     let tree = setup.tree();
     setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, numbers.clone(), settings.fps)?);
-    setup::measure_lasting(&mut setup, source, numbers.clone(), settings.fps, settings.seed)?;
+    let shared = config.shared_cameras.as_deref().filter(|shared| shared.world_up == source.up());
+    let (all, fps, seed) = (numbers.clone(), settings.fps, settings.seed);
+    let said = setup::measure_lasting_with(&mut setup, source, all, fps, seed, shared)?;
     setup::measure_look(&mut setup, source, numbers, settings.fps, settings.compares_colours())?;
     let start = setup.start_frame;
     tune(&mut setup, &tree, source, start, settings)?;
-    Ok(setup)
+    Ok((setup, said))
 }

@@ -58,7 +58,7 @@ pub fn track_live<S: Arrivals>(
     let config = resolved.track();
     let settings = config.settings()?;
     let inputs = Inputs { hash_source: inputs, settings_hashes: file_hashes(resolved)? };
-    let Begun { mut source, setup, checkpoint } = begun(source, setup_frames, resolved, &config, &settings, watch)?;
+    let Begun { mut source, setup, checkpoint, .. } = begun(source, setup_frames, resolved, &config, &settings, watch)?;
     let (tree, cameras) = (setup.tree(), source.cameras().to_vec());
     let mut pipeline = Pipeline::new(&setup, &tree, &cameras, source.layout(), settings.clone())?;
     clock.set_up_is_done();
