@@ -69,7 +69,7 @@ fn ranks_of_the_truth_are_uniform() {
     check_ranks(0..0);
 }
 
-/// The same where some numbers, which share a scale with others, are known.
+/// The same where some numbers are known, which share a scale with others.
 #[test]
 fn ranks_are_uniform_given_some_numbers() {
     check_ranks(1..3);
@@ -127,6 +127,31 @@ fn equal_numbers_have_the_moments_of_one() {
 
 fn is_within_bounds([mean, drawn_mean, drawn_variance]: [f64; 3]) -> bool {
     mean.abs() < 0.015 && drawn_mean.abs() < 0.02 && drawn_variance.abs() < 0.05
+}
+
+/// The scale of four known numbers, of which the data say something else, against mean and variance by quadrature: ranks would be uniform also of draws that know less.
+#[test]
+fn the_scale_of_known_numbers_has_the_moments_of_the_integral() {
+    let known = [0.2, -0.5, 0.1, 0.3];
+    let squares: f64 = known.iter().map(|x| x * x).sum();
+    let (mut total, mut mean, mut square) = (0.0, 0.0, 0.0);
+    for cell in 0..20_000 {
+        let log = -8.0 + 16.0 * (f64::from(cell) + 0.5) / 20_000.0;
+        let density = (-0.5 * log * log - 4.0 * log - 0.5 * squares * (-2.0 * log).exp()).exp();
+        (total, mean, square) = (total + density, mean + density * log, square + density * log * log);
+    }
+    let (mean, variance) = (mean / total, square / total - (mean / total).powi(2));
+    let information: Vec<f64> = (0..16).map(|k| if k % 5 == 0 { 4.0 } else { 0.0 }).collect();
+    let data = LastingData { information, pull: vec![2.0; 4] };
+    let held = HeldDraws { places: 0..4, draws: vec![known.to_vec()] };
+    let schedule = SweepSchedule { draws: 40_000, burn_in: 10, apart: 1 };
+    let prior = one_scale(alike(0..4, 1.0), 0);
+    let found = draws_given(&data, &prior, schedule, Stage::new(3, "known"), Some(&held)).expect("a posterior");
+    let logs: Vec<f64> = found.scales.iter().map(|scales| scales[0].ln()).collect();
+    let drawn = logs.iter().sum::<f64>() / logs.len() as f64;
+    let drawn_variance = logs.iter().map(|log| (log - drawn).powi(2)).sum::<f64>() / logs.len() as f64;
+    assert!((drawn - mean).abs() < 0.01, "{drawn} {mean}");
+    assert!((drawn_variance / variance - 1.0).abs() < 0.05, "{drawn_variance} {variance}");
 }
 
 /// One number seen with noise, of an unknown scale, against mean and variance by quadrature over the scale: how far off the mean is, that of the draws, and their variance as a share.
