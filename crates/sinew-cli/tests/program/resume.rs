@@ -149,7 +149,7 @@ fn a_changed_or_missing_chunk_is_refused() {
         ("observed_data/confidence", vec![0, 0, 0]),
     ];
     for (bit, (array, indices)) in arrays.into_iter().enumerate() {
-        let key = indices.iter().fold(format!("{array}/c"), |key, index| format!("{key}/{index}"));
+        let key = indices.iter().fold(format!("{array}/c"), |key, index| format!("{key}.{index}"));
         let path = if store.exists() { store.join(&key) } else { named.join(&key) };
         let bytes = fs::read(&path).unwrap();
         let mut flipped = bytes.clone();

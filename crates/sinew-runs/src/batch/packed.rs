@@ -7,7 +7,7 @@ use super::scratch::Scratch;
 use super::shard::Shard;
 use crate::Error;
 use std::fs::{self, File};
-use std::io::{BufWriter, Read as _, Seek as _, SeekFrom, Write as _};
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Folder of the archives in a study.
@@ -97,6 +97,25 @@ impl Archive {
     }
 }
 
+/// A file from a place on.
+struct FromPlace {
+    file: File,
+    start: u64,
+}
+
+impl Read for FromPlace {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        self.file.read(bytes)
+    }
+}
+
+impl Seek for FromPlace {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let to = if let SeekFrom::Start(place) = to { SeekFrom::Start(self.start + place) } else { to };
+        Ok(self.file.seek(to)?.saturating_sub(self.start))
+    }
+}
+
 /// Takes the results of a trial out of its archive: the files that are wanted, with what they hold.
 ///
 /// # Errors
@@ -110,7 +129,7 @@ pub fn unpacked(
     let failed = |error| sinew::Error::io("read", &path)(error);
     let mut file = File::open(&path).map_err(failed)?;
     file.seek(SeekFrom::Start(packed.offset)).map_err(failed)?;
-    let mut archive = tar::Archive::new(file);
+    let mut archive = tar::Archive::new(FromPlace { file, start: packed.offset });
     let mut found = vec![];
     // Files that are not wanted are passed over, not read.
     for entry in archive.entries_with_seek().map_err(failed)? {
