@@ -14,7 +14,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use std::ops::Range;
 
-/// What data say of the numbers at some places, whatever the others are; `scales` are those of the prior.
+/// What data say of the numbers at some places, whatever the others are; `scales` belong to the prior.
 ///
 /// # Errors
 /// [`Error::Shape`] for a matrix of another size, [`Error::Indefinite`] where the others have no posterior.
@@ -78,7 +78,7 @@ pub fn together<'a>(all: impl IntoIterator<Item = &'a LastingData>) -> Option<La
 pub struct Disagreement {
     /// Σ (c_k − c)ᵀ Λ_k (c_k − c), with c_k what a recording says and c what all say together.
     pub square: f64,
-    /// Its mean where the numbers are the same in all: the square is then χ² with so many degrees of freedom.
+    /// Its mean where the numbers are the same in all: the square is then χ² with as many degrees of freedom.
     pub degrees: usize,
 }
 

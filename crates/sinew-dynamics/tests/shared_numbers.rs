@@ -36,7 +36,7 @@ fn data(recording: usize) -> LastingData {
     LastingData { information, pull }
 }
 
-/// Mean and covariance of the shared numbers, then those of each recording, by one solution for all.
+/// Mean and covariance of the shared numbers, then of each recording's own, by one solution for all.
 fn exact() -> (Vec<f64>, Mat<f64>) {
     let count = SHARED + 2 * OWN;
     let place = |recording: usize, i: usize| if i < SHARED { i } else { i + recording * OWN };

@@ -3,7 +3,6 @@
 use crate::Error;
 use crate::input::error::InputError;
 use crate::input::folder_contents::folder_contents;
-use crate::storage::Storage;
 use sinew_formats::source_text::{check_size, decode};
 use std::fs;
 use std::io::Read as _;
@@ -24,18 +23,6 @@ pub fn read_bytes(path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
     file.take(limit + 1).read_to_end(&mut bytes).map_err(Error::io("read", path))?;
     check_size(&shown, bytes.len() as u64, limit)?;
-    Ok(bytes)
-}
-
-/// As [`read_bytes`], from a storage.
-///
-/// # Errors
-/// [`Error::Io`] with the path, [`Error::Format`] for a file that is too large.
-pub fn read_stored(storage: &dyn Storage, path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
-    let mut bytes = Vec::new();
-    let read = storage.read(path).and_then(|file| file.take(limit + 1).read_to_end(&mut bytes));
-    read.map_err(Error::io("read", path))?;
-    check_size(&path.display().to_string(), bytes.len() as u64, limit)?;
     Ok(bytes)
 }
 

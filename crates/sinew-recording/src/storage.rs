@@ -2,10 +2,6 @@
 //!
 //! A test can let any of them fail.
 
-mod memory_first;
-
-pub use memory_first::MemoryFirst;
-
 use std::fs;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::Path;

@@ -16,6 +16,7 @@ pub mod gather;
 mod group_statistics;
 mod keeping;
 pub mod ledger;
+mod memory_first;
 mod packed;
 mod page;
 pub mod plan;

@@ -87,7 +87,7 @@ impl SyntheticRecording {
         Self::from_motion(body, states, truth, script, seed)
     }
 
-    /// Records the walker of a script before the cameras of a session, whose differences from their calibration are those of the session's seed.
+    /// Records the walker of a script before the cameras of a session, whose differences from their calibration come from the session's seed.
     #[must_use]
     pub fn in_session(script: &Script, cameras: &[Camera], session_seed: u64, seed: u64) -> Self {
         let (body, states, truth) = walk(script);

@@ -105,7 +105,7 @@ pub fn prior(
     tied: usize,
     frame_s: f64,
 ) -> LastingPrior {
-    let LastingPrior { mut clusters, scales: of_cameras } = camera_prior(errors.cameras);
+    let LastingPrior { mut clusters, scales: camera_scales } = camera_prior(errors.cameras);
     let usual = lengths(&Proportions::default());
     let length = |(place, (usual, own)): (usize, (&f64, f64))| (place, usual - own, LENGTH_SHARE * usual);
     let numbers = errors.lengths().zip(usual.iter().zip(lengths(subject))).map(length).collect();
@@ -130,7 +130,7 @@ pub fn prior(
         clusters.push(PriorCluster { numbers, scale: Some(LAGS), heavy_tails: true, tied: 0 });
     }
     let mut scales = vec![POINTS; SCALES.len()];
-    scales[..of_cameras.len()].copy_from_slice(&of_cameras);
+    scales[..camera_scales.len()].copy_from_slice(&camera_scales);
     scales[PLACES[1]] = ENDS;
     scales[FIRST_KIND + HIPS] = HIP_BIASES;
     scales[LAGS] = ScalePrior { median: LATE_FRAMES.median * frame_s, ..LATE_FRAMES };

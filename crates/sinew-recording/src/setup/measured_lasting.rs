@@ -13,10 +13,12 @@
 //! Errors of a detector last some frames, so frames that follow each other are not worth as many independent ones. With the correlation 0.93 φ of a residual with that of the next frame looked at, φ = exp(−Δt/τ), they are worth
 //! the share 1 / (1 + 2 · 0.93 φ/(1 − φ)); a frame's information is multiplied by it. For constants that is exact in long recordings. τ has a prior around 0.1 s.
 
+mod stored;
+
 use super::error_persistence::{correlation, persistence_s};
-use super::lasting_errors::{DrawnNumber, DrawnScale, LASTING_SHARE, MeasuredErrors, VERSION};
-use super::lasting_prior::{SCALES, expected_places, prior};
-use super::lasting_sources::{PointSources, point_sources};
+use super::lasting_errors::LASTING_SHARE;
+use super::lasting_prior::{expected_places, prior};
+use super::lasting_sources::point_sources;
 use super::level_points::{LevelPoints, level_points, levelled, tied};
 use super::looked_frames::{Looked, looked_at, middle, observed_by};
 use super::measured_mistakes;
@@ -27,7 +29,7 @@ use super::stored::Setup;
 use crate::Error;
 use crate::input::source::FrameSource;
 use sinew_body::KinematicTree;
-use sinew_body::point_derivatives::{Neighbours, PointDerivatives, length_names, lengthened};
+use sinew_body::point_derivatives::{Neighbours, PointDerivatives, length_names};
 use sinew_core::random::Stage;
 use sinew_core::transition::Moments;
 use sinew_dynamics::lasting::{FrameInformation, Lasting, informed};
@@ -55,8 +57,6 @@ const ROUND: SweepSchedule = SweepSchedule { draws: 48, burn_in: 16, apart: 1 };
 const FLAT: f64 = 1e10;
 /// Share of a camera's residuals that is left, at least.
 const LEAST_LEFT: f64 = 0.1;
-/// Digits of a draw.
-const DIGITS: usize = 5;
 
 /// Finds what is constant in the frames of `numbers`, moves cameras, lengths and scatter of the set-up to it, and stores draws of it.
 ///
@@ -452,74 +452,9 @@ impl Fit {
         self.g.clone_from(&found.mean);
         Ok(found)
     }
-
-    /// Puts what was found into the set-up; lengths become the body's own. What all lags share is 0 in the mean, since nothing shows it.
-    fn store(mut self, setup: &mut Setup, found: LastingDraws, source: Vec<PointSources>) {
-        let Self { errors, points, middle, frames, model, expected, .. } = &self;
-        let cameras: Vec<String> = setup.camera.iter().map(|camera| camera.name.clone()).collect();
-        let common = common_lag(errors, &found);
-        let number = |(place, name): (usize, String)| {
-            let shared = if errors.lags().contains(&place) { common } else { 0.0 };
-            let value = rounded(found.mean[place] - shared);
-            let draws = found.errors.iter().map(|g| rounded(g[place] - shared - value)).collect();
-            let base = if errors.lengths().contains(&place) { value } else { 0.0 };
-            let [prior_mean, prior_sd] = [expected[place][0] - base, expected[place][1]].map(rounded);
-            DrawnNumber { name, value: value - base, prior_mean, prior_sd, draws }
-        };
-        let scale = |(k, name): (usize, &str)| DrawnScale {
-            name: name.into(),
-            draws: found.scales.iter().map(|scales| rounded(scales[k])).collect(),
-        };
-        let longer: Vec<f64> = errors.lengths().map(|place| rounded(found.mean[place])).collect();
-        setup.lasting = Some(MeasuredErrors {
-            version: VERSION,
-            number: errors.names(&cameras, &length_names(), points).into_iter().enumerate().map(number).collect(),
-            cameras,
-            points: points.clone(),
-            middle_m: middle.map(rounded),
-            frames: frames.len(),
-            worth: rounded(self.worth * frames.len() as f64),
-            persistence_s: rounded(self.persistence_s),
-            scale: SCALES.into_iter().enumerate().map(scale).collect(),
-            source: source.into_iter().map(|source| source.map(rounded)).collect(),
-        });
-        for (known, view) in setup.camera.iter_mut().zip(&model.views) {
-            known.sigma_px = view.sigma_px;
-        }
-        setup.model_error_m = model.model_error_m;
-        setup.store_mistakes(&model.mistakes);
-        setup.proportions = lengthened(&setup.proportions, &longer);
-        self.frames.retain(|frame| frame.number == setup.start_frame);
-        if let Some(frame) = self.frames.pop() {
-            setup.start_pose = frame.pose;
-        }
-    }
-}
-
-/// Mean, over draws and cameras, of their lags.
-fn common_lag(errors: &LastingErrors, found: &LastingDraws) -> f64 {
-    let all = || found.errors.iter().flat_map(|g| &g[errors.lags()]);
-    all().sum::<f64>() / all().count().max(1) as f64
 }
 
 /// Trace of the product of two symmetric matrices.
 fn trace(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
-/// A number with few digits, as it is stored.
-fn rounded(x: f64) -> f64 {
-    format!("{x:.*e}", DIGITS - 1).parse().unwrap_or(x)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_stored_with_few_digits() {
-        assert_eq!(rounded(0.123_456_78), 0.12346);
-        assert_eq!(rounded(0.0), 0.0);
-        assert_eq!(rounded(-1.0 / 3.0), -0.33333);
-    }
 }

@@ -1,4 +1,4 @@
-//! Cameras that several recordings share, such as those of a session with several subjects.
+//! Cameras that several recordings share, such as the cameras of a session with several subjects.
 //!
 //! Each recording says something of them ([`CameraInformation`], [`sinew_dynamics::shared_numbers`]). From all of that and one prior come draws of the cameras ([`SharedCameras`]), given which each recording draws its own numbers: draw i of all set-ups is of the same cameras, so that what errors of cameras do to a mean over subjects does not average out.
 
@@ -42,7 +42,7 @@ impl CameraInformation {
         self.cameras == other.cameras && self.world_up == other.world_up
     }
 
-    /// Whether its sizes are those of its cameras, and its numbers finite.
+    /// Whether it has as many numbers as its cameras need, all finite.
     #[must_use]
     pub fn is_whole(&self) -> bool {
         let count = NUMBERS * self.cameras.len();

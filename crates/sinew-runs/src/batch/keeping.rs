@@ -4,7 +4,6 @@
 
 use super::ledger::{EndedTask, Ledger, TaskEnd};
 use super::packed::Archive;
-use super::run::with_causes;
 use super::scratch::Scratch;
 use crate::Error;
 use sinew::results::sync_below;
@@ -65,7 +64,7 @@ impl EndedTask {
     fn fail(&mut self, error: &Error) {
         if self.ended != TaskEnd::Failed {
             (self.ended, self.code, self.packed) = (TaskEnd::Failed, error.exit_code(), None);
-            self.why = with_causes(error);
+            self.why = error.with_causes();
         }
     }
 }

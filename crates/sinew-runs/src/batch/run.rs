@@ -17,10 +17,9 @@ use crate::threads::{beside_each_other, pool};
 use crate::{CameTo, Error, Request, track};
 use rayon::ThreadPool;
 use serde_json::Value;
-use sinew::files::read_stored;
 use sinew::formats::source_text::MAX_TEXT_BYTES;
 use sinew::results::problem::Problem;
-use sinew::results::{Storage, UnsyncedDisk};
+use sinew::results::{Storage, UnsyncedDisk, read_stored};
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -107,7 +106,7 @@ pub fn run(folder: &Path, shard: Shard, threads: usize, listener: &dyn Listener)
                 counter.at((missing.len() - end.left) as u64);
             })
         });
-        beside_each_other(missing.len(), workers, one, |goes_on| !goes_on);
+        beside_each_other(missing.len(), workers, one, |sent| !sent);
         keeping.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     })?;
     // In the order of the plan, whichever ended first.
@@ -144,7 +143,7 @@ impl Study<'_> {
         let (ending, scratch) = match catch_unwind(AssertUnwindSafe(|| self.tracked(task))) {
             Ok(Ok(tracked)) => tracked?,
             Ok(Err(Error::Library(sinew::Error::Interrupted(_)))) => return None,
-            Ok(Err(error)) => (failed(error.exit_code(), with_causes(&error)), None),
+            Ok(Err(error)) => (failed(error.exit_code(), error.with_causes()), None),
             Err(_) => (failed(1, "a bug: the program stopped in the middle of this trial".into()), None),
         };
         let Ending { ended, code, why, computing_s } = ending;
@@ -252,10 +251,4 @@ fn computing_s(storage: &dyn Storage, out: &Path) -> f64 {
     let bytes = read_stored(storage, &out.join("timings.json"), MAX_TEXT_BYTES).unwrap_or_default();
     let timings: Value = serde_json::from_slice(&bytes).unwrap_or_default();
     ["set_up_s", "track_s"].iter().filter_map(|key| timings[key].as_f64()).sum()
-}
-
-/// An error with what caused it, in one line.
-pub(super) fn with_causes(error: &Error) -> String {
-    let causes = std::iter::successors(std::error::Error::source(error), |cause| cause.source());
-    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
 }

@@ -1,7 +1,10 @@
-//! Results of one trial on their way into an archive: in memory while they are few bytes, the rest in a folder for temporary files.
+//! Results of one trial on their way into an archive.
+//!
+//! In memory while they are few bytes, the rest in a folder for temporary files.
 
+use super::memory_first::MemoryFirst;
 use crate::Error;
-use sinew::results::{MemoryFirst, Storage as _};
+use sinew::results::Storage as _;
 use std::collections::BTreeSet;
 use std::fs;
 use std::io::{self, Cursor, Read};

@@ -1,10 +1,10 @@
 //! Arrays of numbers of a result folder's `posterior.zarr`.
 
+use super::stored_file::read_stored;
 use crate::Error;
-use crate::files::read_stored;
-use crate::results::{Disk, Storage};
 use sinew_formats::source_text::{MAX_TEXT_BYTES, decode};
 use sinew_formats::zarr::reader::{self, NumberArray};
+use sinew_recording::storage::{Disk, Storage};
 use std::path::Path;
 
 /// The array at a path of the store, such as `constant_data/camera_centre`; `None` where there is none.

@@ -1,8 +1,8 @@
-//! Files in memory while they are few bytes in all, then on the disk: for results that are copied to where they stay.
+//! Files in memory while they are few bytes, then on the disk.
 //!
-//! A hundred small files in forty folders cost the system more time than what they hold.
+//! For results that are copied to where they stay: a hundred small files in forty folders cost the system more time than what they hold.
 
-use super::{Disk, Storage, StoredFile};
+use sinew::results::{Disk, Storage, StoredFile};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, Cursor, Read, Seek, SeekFrom, Write};
@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// A storage that fills memory before the disk.
 #[derive(Debug, Default)]
-pub struct MemoryFirst {
+pub(super) struct MemoryFirst {
     files: Mutex<BTreeMap<PathBuf, Arc<Mutex<Content>>>>,
     room: Arc<Room>,
 }
@@ -119,15 +119,15 @@ impl StoredFile for MemoryFile {
 }
 
 impl MemoryFirst {
-    /// A storage that holds so many bytes in memory.
+    /// A storage that holds `most` bytes in memory.
     #[must_use]
-    pub fn new(most: usize) -> Self {
+    pub(super) fn new(most: usize) -> Self {
         Self { files: Mutex::default(), room: Arc::new(Room { held: AtomicUsize::new(0), most }) }
     }
 
     /// Paths of the files that are in memory, in order.
     #[must_use]
-    pub fn in_memory(&self) -> Vec<PathBuf> {
+    pub(super) fn in_memory(&self) -> Vec<PathBuf> {
         let is_held = |content: &Mutex<Content>| matches!(locked(content).place, ContentPlace::Memory(_));
         locked(&self.files).iter().filter(|(_, content)| is_held(content)).map(|(path, _)| path.clone()).collect()
     }
