@@ -39,8 +39,8 @@ pub(crate) struct PlanArgs {
     /// Pack results into one archive a shard in place of a folder a trial
     #[arg(long)]
     pub(crate) pack: bool,
-    /// What trials share: session (cameras, and a set-up a subject), subject (a set-up) or nothing
-    #[arg(long, value_name = "WHAT", default_value = "session")]
+    /// What trials share: subject (a set-up), session (that, and its cameras) or nothing
+    #[arg(long, value_name = "WHAT", default_value = "subject")]
     pub(crate) share: Share,
     /// Parts into which the files for schedulers cut the work
     #[arg(long, value_name = "N", default_value_t = 16, value_parser = shards)]

@@ -38,9 +38,9 @@ pub struct StudyPlan {
 #[serde(rename_all = "lowercase")]
 pub enum Share {
     /// Trials of a session (one calibration) the cameras, and trials of a subject in it a set-up.
-    #[default]
     Session,
     /// Trials of a subject in a session a set-up.
+    #[default]
     Subject,
     /// Nothing: each trial has a set-up of its own.
     Nothing,
