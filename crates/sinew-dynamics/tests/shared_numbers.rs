@@ -67,7 +67,7 @@ fn said() -> LastingData {
 }
 
 #[test]
-fn what_both_say_is_what_is_known_of_both_at_once() {
+fn the_sum_of_information_is_that_of_the_joint_posterior() {
     let (mean, covariance) = exact();
     let said = said();
     let mut information = Mat::from_fn(SHARED, SHARED, |i, j| said.information[i * SHARED + j]);

@@ -55,6 +55,11 @@ impl Content {
         Ok(())
     }
 
+    /// Removes what another file replaces from the disk, where it would be taken for that.
+    fn leave_disk(&self) -> io::Result<()> {
+        if matches!(self.place, ContentPlace::Disk(_)) { Disk.remove(&self.path) } else { Ok(()) }
+    }
+
     /// Gives back the room of what is in memory.
     fn forget(&mut self) {
         if let ContentPlace::Memory(content) = &mut self.place {
@@ -141,7 +146,9 @@ impl Storage for MemoryFirst {
     fn create(&self, path: &Path) -> io::Result<Box<dyn StoredFile>> {
         let (path, place) = (path.to_owned(), ContentPlace::Memory(Cursor::default()));
         let content = Arc::new(Mutex::new(Content { path: path.clone(), place, room: Arc::clone(&self.room) }));
-        locked(&self.files).insert(path, Arc::clone(&content));
+        if let Some(before) = locked(&self.files).insert(path, Arc::clone(&content)) {
+            locked(&before).leave_disk()?;
+        }
         Ok(Box::new(MemoryFile(content)))
     }
 
@@ -177,7 +184,9 @@ impl Storage for MemoryFirst {
             let inside = path.strip_prefix(from).unwrap_or(Path::new(""));
             let new = if inside.as_os_str().is_empty() { to.to_owned() } else { to.join(inside) };
             locked(&content).path.clone_from(&new);
-            files.insert(new, content);
+            if let Some(before) = files.insert(new, content) {
+                locked(&before).leave_disk()?;
+            }
         }
         // Files of a folder may lie in both places.
         if from.exists() { Disk.rename(from, to) } else { Ok(()) }
@@ -210,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read_wherever_it_lies() {
+    fn files_are_read_from_memory_and_from_disk() {
         let root = tempfile::tempdir().unwrap();
         let path = |name: &str| root.path().join(name);
         let storage = MemoryFirst::new(10);
@@ -235,6 +244,23 @@ mod tests {
         drop(write(&storage, &path("b"), b"0123456789"));
         assert_eq!(storage.in_memory(), [path("b")]);
         assert_eq!(storage.read(&path("c")).err().unwrap().kind(), io::ErrorKind::NotFound);
+    }
+
+    /// A file that went to the disk comes back into memory, once where it is created again and once where another gets its name.
+    #[test]
+    fn nothing_stays_on_the_disk_of_a_file_that_is_replaced() {
+        let root = tempfile::tempdir().unwrap();
+        let path = |name: &str| root.path().join(name);
+        let storage = MemoryFirst::new(10);
+        drop(write(&storage, &path("a"), b"longer than ten"));
+        drop(write(&storage, &path("b"), b"longer than ten"));
+        assert!(path("a").exists() && path("b").exists());
+        drop(write(&storage, &path("a"), b"short"));
+        drop(write(&storage, &path("b.partial"), b"new"));
+        storage.rename(&path("b.partial"), &path("b")).unwrap();
+        assert!(!path("a").exists() && !path("b").exists());
+        assert_eq!([read(&storage, &path("a")), read(&storage, &path("b"))], [b"short".to_vec(), b"new".to_vec()]);
+        assert_eq!(storage.in_memory(), [path("a"), path("b")]);
     }
 
     #[test]
