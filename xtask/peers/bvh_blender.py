@@ -1,14 +1,15 @@
 """Blender's reading of a result's motion.bvh beside the result's own tables.
 
-    python bvh_blender.py RESULT [BVH]      # in an environment with the package bpy (Blender as a Python module)
+    python bvh_blender.py RESULT [FILE]     # in an environment with the package bpy (Blender as a Python module)
 
-RESULT is a result folder; BVH another file of the same motion, such as one with `sinew convert --bones`. The file is
-imported with Blender's defaults (forward -Z, up Y), which must restore the world: z up, metres. Checked are
+RESULT is a result folder; FILE another file of the same motion, such as one with `sinew convert --bones`, BVH or glTF.
+The file is imported with Blender's defaults (forward -Z, up Y), which must restore the world: z up, metres. Checked are
 
-- the rest pose: both arms level, toes ahead (along -y with renamed bones, else +y), all bones with a length, every bone
+- the rest pose of BVH: both arms level, toes ahead (along -y with renamed bones, else +y), all bones with a length, every bone
   beginning where its parent ends;
 - places of joints in every frame against `markers.trc` (points of the mean pose): shoulders, elbows, hips, knees, ankles;
-- the frame rate with "Update Scene FPS", and the number of frames.
+- the frame rate with "Update Scene FPS" (glTF has times, and the scene gets the rate first), the number of frames;
+- of glTF, that each bone's mesh goes with it: a corner of the mesh lies at each joint.
 
 It says the largest distance of each joint and fails above 1 mm, or where the arms are off level by more than 0.1 degrees.
 """
@@ -50,13 +51,21 @@ def read_trc(path):
 
 def main():
     result = Path(sys.argv[1])
-    bvh = Path(sys.argv[2]) if len(sys.argv) > 2 else result / "motion.bvh"
+    file = Path(sys.argv[2]) if len(sys.argv) > 2 else result / "motion.bvh"
     rate, names, frames = read_trc(result / "markers.trc")
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.context.scene.frame_end = 1  # the importer makes a scene longer, never shorter
-    assert bpy.ops.import_anim.bvh(filepath=str(bvh), update_scene_fps=True, update_scene_duration=True) == {"FINISHED"}
-    armature = bpy.context.object
     scene = bpy.context.scene
+    is_gltf = file.suffix == ".glb"
+    if is_gltf:
+        scene.render.fps, scene.render.fps_base = round(1000 * rate), 1000
+        assert bpy.ops.import_scene.gltf(filepath=str(file)) == {"FINISHED"}
+        armature = next(o for o in bpy.data.objects if o.type == "ARMATURE")
+        mesh = next(o for o in bpy.data.objects if o.type == "MESH" and o.parent == armature)
+    else:
+        scene.frame_end = 1  # the importer makes a scene longer, never shorter
+        done = bpy.ops.import_anim.bvh(filepath=str(file), update_scene_fps=True, update_scene_duration=True)
+        assert done == {"FINISHED"}
+        armature = bpy.context.object
     bones = armature.data.bones
     print(f"Blender {bpy.app.version_string}, {len(bones)} bones: {', '.join(bone.name for bone in bones)}")
 
@@ -64,6 +73,40 @@ def main():
     found = [next((bone for bone in bones if bone.name in known), None) for known, _ in BONES]
     failures += [f"no bone {known[0]}" for (known, _), bone in zip(BONES, found) if bone is None]
     pairs = [(bone, point) for bone, (_, point) in zip(found, BONES) if bone is not None]
+    failures += [] if is_gltf else resting(armature, pairs)
+
+    fps = scene.render.fps / scene.render.fps_base
+    first, last = armature.animation_data.action.frame_range
+    print(f"keys from frame {first:g} to {last:g}, {fps:g} a second; markers.trc has {len(frames)}, {rate:g}")
+    if abs(fps - rate) > 1e-3 * rate:
+        failures.append(f"{fps} frames a second, not {rate}")
+    if abs(last - first + 1 - len(frames)) > 1e-3:
+        failures.append("the number of frames")
+    farthest = {point: 0.0 for _, point in pairs}
+    for number, points in enumerate(frames):
+        scene.frame_set(round(first) + number)
+        corners = world_corners(mesh) if is_gltf else None
+        for bone, point in pairs:
+            head = armature.matrix_world @ armature.pose.bones[bone.name].head
+            own = points[names.index(point)]
+            farthest[point] = max(farthest[point], 1000 * math.dist(head, own))
+            if is_gltf:
+                farthest[point] = max(farthest[point], 1000 * min(math.dist(corner, own) for corner in corners))
+    print("farthest from markers.trc, mm:", ", ".join(f"{point} {far:.3f}" for point, far in farthest.items()))
+    failures += [f"{point} is {far:.2f} mm off" for point, far in farthest.items() if not far <= MOST_MM]
+    print("\n".join(failures) or "as it should be")
+    sys.exit(bool(failures))
+
+
+def world_corners(mesh):
+    """Corners of a mesh as its bones carry it in this frame."""
+    drawn = mesh.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return [mesh.matrix_world @ vertex.co for vertex in drawn.data.vertices]
+
+
+def resting(armature, pairs):
+    """What is wrong with the rest pose."""
+    bones, failures = armature.data.bones, []
     at_rest = lambda bone: armature.matrix_world.to_3x3() @ (bone.tail_local - bone.head_local)
     for bone, _ in pairs[:4]:
         along = at_rest(bone)
@@ -80,25 +123,7 @@ def main():
     failures += [f"{bone.name} has no length" for bone in bones if bone.length < 1e-3]
     apart = [bone for bone in bones if bone.parent and (bone.head_local - bone.parent.tail_local).length > 1e-5]
     failures += [f"{bone.name} does not begin where {bone.parent.name} ends" for bone in apart]
-
-    fps = scene.render.fps / scene.render.fps_base
-    first, last = armature.animation_data.action.frame_range
-    print(f"keys from frame {first:g} to {last:g}, {fps:g} a second; markers.trc has {len(frames)}, {rate:g}")
-    if abs(fps - rate) > 1e-3 * rate:
-        failures.append(f"{fps} frames a second, not {rate}")
-    if last - first + 1 != len(frames):
-        failures.append("the number of frames")
-    farthest = {point: 0.0 for _, point in pairs}
-    for number, points in enumerate(frames):
-        scene.frame_set(scene.frame_start + number)
-        for bone, point in pairs:
-            head = armature.matrix_world @ armature.pose.bones[bone.name].head
-            own = points[names.index(point)]
-            farthest[point] = max(farthest[point], 1000 * math.dist(head, own))
-    print("farthest from markers.trc, mm:", ", ".join(f"{point} {far:.3f}" for point, far in farthest.items()))
-    failures += [f"{point} is {far:.2f} mm off" for point, far in farthest.items() if not far <= MOST_MM]
-    print("\n".join(failures) or "as it should be")
-    sys.exit(bool(failures))
+    return failures
 
 
 main()

@@ -11,7 +11,7 @@ pub(crate) struct ConvertArgs {
     /// Motion file (.trc, .c3d, .bvh, .mot, .csv or .amc), or a calibration
     #[arg(value_name = "IN")]
     pub(crate) input: PathBuf,
-    /// File to write: .trc, .c3d, .bvh, .mot or .csv; of a calibration .toml, .yml or .qca.txt
+    /// File to write: .trc, .c3d, .bvh, .glb, .mot or .csv; calibrations: .toml, .yml or .qca.txt
     #[arg(value_name = "OUT")]
     pub(crate) output: PathBuf,
     /// Program: pose2sim, caliscope, anipose, freemocap, opencv or qualisys

@@ -46,6 +46,7 @@ mod hierarchy;
 mod reader;
 mod writer;
 
+pub(crate) use hierarchy::local_transform;
 pub use hierarchy::{Bvh, BvhJoint, Channel, bvh_from_world, forward_kinematics, world_from_bvh};
 pub use reader::read;
 pub use writer::{write, write_frame, write_header};

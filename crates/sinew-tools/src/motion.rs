@@ -1,15 +1,15 @@
 //! Motion files as values, and what can become of them.
 //!
-//! A file holds *points* (TRC, C3D, CSV), *coordinates* (MOT, CSV) or a *skeleton* (BVH, ASF/AMC). A skeleton says where its points are, so it becomes points; nothing
+//! A file holds *points* (TRC, C3D, CSV), *coordinates* (MOT, CSV) or a *skeleton* (BVH, ASF/AMC; glTF is only written). A skeleton says where its points are, so it becomes points; nothing
 //! becomes a skeleton or coordinates of OpenSim without inverse kinematics, which is tracking and not conversion:
 //!
-//! | from \ to | TRC, C3D | CSV | MOT | BVH |
-//! |---|---|---|---|---|
-//! | TRC, C3D | yes | points | no | no |
-//! | CSV of points | yes | yes | no | no |
-//! | MOT, CSV of coordinates | no | yes | yes | no |
-//! | BVH | joints and tips | joints and tips | its channels | yes |
-//! | AMC with ASF | bone ends | bone ends | channels of its BVH | yes |
+//! | from \ to | TRC, C3D | CSV | MOT | BVH | glTF |
+//! |---|---|---|---|---|---|
+//! | TRC, C3D | yes | points | no | no | no |
+//! | CSV of points | yes | yes | no | no | no |
+//! | MOT, CSV of coordinates | no | yes | yes | no | no |
+//! | BVH | joints and tips | joints and tips | its channels | yes | yes |
+//! | AMC with ASF | bone ends | bone ends | channels of its BVH | yes | yes |
 //!
 //! In between everything is in the world frame (Z up), metres and seconds; BVH files state no unit of length and are taken as metres.
 

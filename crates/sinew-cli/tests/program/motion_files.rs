@@ -81,6 +81,8 @@ fn a_skeleton_becomes_points_and_channels() {
     // The hips are turned by 90 degrees about the file's x: the leg points along −z there, which is y of the world.
     let tip = points.frames[0][2].unwrap();
     assert!(tip.iter().zip([0.0, 0.85, 0.95]).all(|(a, b)| (a - b).abs() < 1e-12), "{tip:?}");
+    check(&trial, &["a.bvh", "a.glb"]);
+    assert!(fs::read(trial.path("a.glb")).unwrap().starts_with(b"glTF"));
     check(&trial, &["a.bvh", "a.mot"]);
     check(&trial, &["a.mot", "coordinates.csv"]);
     let header = fs::read_to_string(trial.path("coordinates.csv")).unwrap().lines().next().unwrap().to_owned();
@@ -181,6 +183,8 @@ fn what_cannot_be_is_said() {
     let printed: Vec<String> = [
         &["a.trc", "b.bvh"][..],
         &["a.trc", "b.mot"],
+        &["a.mot", "b.glb"],
+        &["a.glb", "b.trc"],
         &["a.mot", "b.trc"],
         &["a.mot", "b.bvh"],
         &["a.amc", "b.bvh"],

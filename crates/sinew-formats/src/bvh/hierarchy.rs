@@ -1,7 +1,7 @@
 //! What a BVH file holds: joints, channels and their motion.
 
 use crate::Warning;
-use crate::rotation::{IDENTITY, about_axis, apply, product};
+use crate::rotation::{IDENTITY, Matrix, about_axis, apply, product};
 
 /// A column of the motion table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,15 +83,7 @@ pub fn forward_kinematics(joints: &[BvhJoint], values: &[f64]) -> Vec<[f64; 3]> 
     for joint in joints {
         let parent = joint.parent.and_then(|parent| frames.get(parent).copied());
         let (parent_rotation, parent_origin) = parent.unwrap_or((IDENTITY, [0.0; 3]));
-        let mut shift = joint.offset;
-        let mut local = IDENTITY;
-        for &channel in &joint.channels {
-            let value = values.next().unwrap_or_default();
-            match channel {
-                Channel::Position(axis) => shift.iter_mut().skip(axis).take(1).for_each(|v| *v += value),
-                Channel::Rotation(axis) => local = product(&local, &about_axis(axis, value.to_radians())),
-            }
-        }
+        let (shift, local) = local_transform(joint, &mut values);
         let origin = add(parent_origin, apply(&parent_rotation, shift));
         let rotation = product(&parent_rotation, &local);
         frames.push((rotation, origin));
@@ -99,6 +91,20 @@ pub fn forward_kinematics(joints: &[BvhJoint], values: &[f64]) -> Vec<[f64; 3]> 
         points.extend(joint.end_site.map(|end| add(origin, apply(&rotation, end))));
     }
     points
+}
+
+/// Origin and rotation of a joint in its parent's frame; takes the values of its channels, and missing ones as 0.
+pub(crate) fn local_transform(joint: &BvhJoint, values: &mut impl Iterator<Item = f64>) -> ([f64; 3], Matrix) {
+    let mut shift = joint.offset;
+    let mut rotation = IDENTITY;
+    for &channel in &joint.channels {
+        let value = values.next().unwrap_or_default();
+        match channel {
+            Channel::Position(axis) => shift.iter_mut().skip(axis).take(1).for_each(|v| *v += value),
+            Channel::Rotation(axis) => rotation = product(&rotation, &about_axis(axis, value.to_radians())),
+        }
+    }
+    (shift, rotation)
 }
 
 fn add([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> [f64; 3] {

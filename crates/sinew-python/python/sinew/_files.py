@@ -142,8 +142,8 @@ def write(path: str | Path, value: Any, *, force: bool = False) -> None:
     ----------
     path
         `.toml` (Pose2Sim), `camera_array.toml` (Caliscope), `.yml` (OpenCV) or `.qca.txt` (Qualisys) for cameras;
-        `.toml` for a body; `.trc`, `.c3d`, `.csv`, `.mot` or `.bvh` for a motion; `.png` for a picture or a mask; a
-        folder for keypoints, which become OpenPose files, a folder a camera.
+        `.toml` for a body; `.trc`, `.c3d`, `.csv`, `.mot`, `.bvh` or `.glb` for a motion; `.png` for a picture or a
+        mask; a folder for keypoints, which become OpenPose files, a folder a camera.
     value
         A sequence of `Camera`, a `Body`, a `Motion`, `Keypoints`, or an array of pixels: (rows, columns, 3) of uint8,
         or (rows, columns) of bool.

@@ -54,6 +54,12 @@ pub enum MotionError {
     /// A format that is only read.
     #[error("AMC files are read, not written")]
     ReadOnly,
+    /// A format that is only written.
+    #[error("{}: glTF files are written, not read", path.display())]
+    WriteOnly {
+        /// File.
+        path: PathBuf,
+    },
     /// A conversion that takes more than the file holds.
     #[error("{from} cannot become {to}: {reason}")]
     Impossible {
@@ -116,7 +122,7 @@ impl MotionError {
     pub fn help(&self) -> Option<String> {
         let fixed = match self {
             Self::UnknownExtension { .. } => {
-                "known: .trc, .c3d, .bvh, .mot, .csv, and .amc to read; calibrations are written as .toml, .yml and .qca.txt"
+                "known: .trc, .c3d, .bvh, .mot, .csv, .amc to read and .glb to write; calibrations are written as .toml, .yml and .qca.txt"
             }
             Self::NeedlessSkeleton { .. } => "`--skeleton` belongs to .amc files; leave it out",
             Self::NoSkeleton { .. } => "give its skeleton with `--skeleton FILE.asf`",
@@ -124,6 +130,7 @@ impl MotionError {
             Self::NoTimes { .. } => "name the column of the times `time_s`, in seconds",
             Self::OtherBones { .. } => "give motion.bvh of a result folder",
             Self::ReadOnly => "write .bvh instead",
+            Self::WriteOnly { .. } => "give motion.bvh of the same result folder",
             Self::Impossible { instead, .. } => instead,
             Self::NoPoints { .. } => sinew_motion::NEEDED,
             Self::Joints { problem, .. } => return problem.help(),

@@ -16,17 +16,20 @@ pub enum Format {
     Mot,
     /// Skeleton and angles.
     Bvh,
-    /// Angles of an Acclaim skeleton.
+    /// Skeleton, motion and a mesh of the bones for viewers and engines; only written.
+    Glb,
+    /// Angles of an Acclaim skeleton; only read.
     Amc,
 }
 
-const EXTENSIONS: [(&str, Format); 7] = [
+const EXTENSIONS: [(&str, Format); 8] = [
     ("trc", Format::Trc),
     ("c3d", Format::C3d),
     ("csv", Format::Csv),
     ("mot", Format::Mot),
     ("sto", Format::Mot),
     ("bvh", Format::Bvh),
+    ("glb", Format::Glb),
     ("amc", Format::Amc),
 ];
 
@@ -51,6 +54,7 @@ impl Format {
             Self::Csv => "CSV",
             Self::Mot => "MOT",
             Self::Bvh => "BVH",
+            Self::Glb => "glTF",
             Self::Amc => "AMC",
         }
     }

@@ -46,6 +46,7 @@ pub fn read(path: &Path, skeleton: Option<&Path>, fps: Option<f64>) -> Result<Mo
             warnings.extend(odd_size(&motion));
             Ok(Motion { warnings, ..motion })
         }
+        Format::Glb => Err(MotionError::WriteOnly { path: path.to_owned() }.into()),
         Format::Amc => {
             let text = text()?;
             let Some(skeleton) = skeleton else {

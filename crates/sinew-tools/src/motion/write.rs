@@ -7,7 +7,7 @@ use super::format::Format;
 use super::read::is_length;
 use sinew_formats::bvh::{self, Bvh, Channel};
 use sinew_formats::tidy_csv::{self, Cell};
-use sinew_formats::{mot, point_table, trc};
+use sinew_formats::{gltf, mot, point_table, trc};
 use std::io;
 
 /// The motion as a file of the given format; `file_name` stands in the header of TRC files.
@@ -31,8 +31,13 @@ pub fn write(motion: &Motion, format: Format, file_name: &str) -> Result<Vec<u8>
         (Format::Mot, Content::Skeleton(skeleton)) => as_mot(&mut out, &channels(skeleton)),
         (Format::Mot, Content::Points(_)) => return Err(impossible(motion, format, "points have no joint angles")),
         (Format::Bvh, Content::Skeleton(skeleton)) => bvh::write(&mut out, skeleton),
-        (Format::Bvh, Content::Points(_)) => return Err(impossible(motion, format, "points have no bones")),
-        (Format::Bvh, Content::Coordinates(_)) => return Err(impossible(motion, format, "coordinates have no bones")),
+        (Format::Glb, Content::Skeleton(skeleton)) => gltf::write(&mut out, skeleton),
+        (Format::Bvh | Format::Glb, Content::Points(_)) => {
+            return Err(impossible(motion, format, "points have no bones"));
+        }
+        (Format::Bvh | Format::Glb, Content::Coordinates(_)) => {
+            return Err(impossible(motion, format, "coordinates have no bones"));
+        }
         (Format::Amc, _) => {
             return Err(MotionError::ReadOnly);
         }
@@ -49,7 +54,7 @@ fn impossible(motion: &Motion, format: Format, reason: &'static str) -> MotionEr
             "that takes inverse kinematics: track the keypoints with `sinew track`, or use OpenSim; .trc, .c3d and .csv are possible"
         }
         Content::Coordinates(_) => "take the marker file of the same motion; .csv is possible",
-        Content::Skeleton(_) => ".trc, .c3d, .csv, .mot and .bvh are possible",
+        Content::Skeleton(_) => ".trc, .c3d, .csv, .mot, .bvh and .glb are possible",
     };
     MotionError::Impossible { from: motion.format.name(), to: format.name(), reason, instead }
 }
