@@ -57,7 +57,7 @@ def main():
     scene = bpy.context.scene
     is_gltf = file.suffix == ".glb"
     if is_gltf:
-        scene.render.fps, scene.render.fps_base = round(1000 * rate), 1000
+        scene.render.fps = round(rate)
         assert bpy.ops.import_scene.gltf(filepath=str(file)) == {"FINISHED"}
         armature = next(o for o in bpy.data.objects if o.type == "ARMATURE")
         mesh = next(o for o in bpy.data.objects if o.type == "MESH" and o.parent == armature)
