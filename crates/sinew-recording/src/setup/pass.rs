@@ -122,7 +122,7 @@ fn measure(
 }
 
 /// A set-up of the default sizes, without a pose.
-fn unmeasured(layout: &Layout, request: &SetupRequest, camera: Vec<CameraSetup>) -> Setup {
+pub(super) fn unmeasured(layout: &Layout, request: &SetupRequest, camera: Vec<CameraSetup>) -> Setup {
     Setup {
         schema: SCHEMA,
         body: request.body.clone(),
@@ -176,7 +176,7 @@ fn no_pose_of(tree: &sinew_body::KinematicTree, layout: &Layout) -> SetupError {
 /// Scatter assumed where nothing was seen and nothing can be borrowed, pixels.
 const UNKNOWN_SIGMA_PX: f64 = 10.0;
 
-fn camera_setup(camera: &Camera, noise: &CameraNoise, all: &[CameraNoise]) -> CameraSetup {
+pub(super) fn camera_setup(camera: &Camera, noise: &CameraNoise, all: &[CameraNoise]) -> CameraSetup {
     let usual = |of: fn(&CameraNoise) -> f64, otherwise: f64| {
         let own = of(noise);
         if own.is_finite() {
