@@ -1,7 +1,7 @@
 //! `cargo xtask batch`: what many trials cost beside their tracking, and what would limit a million.
 //!
 //! Short trials of simulated walkers (tables of keypoints of three cameras, ten frames; each subject's trials share a set-up) go through `sinew batch plan`, `run` and `gather`. Overhead of a trial is its share of the time of two workers, from the start of the program to its end, less set-up and tracking as the ledger has them: reading, writing, waiting for
-//! the disk, angles of the draws. A trial that waits for the set-up of its subject is set up meanwhile. Memory is the program's own (anonymous pages) at a tenth of the trials and at the end.
+//! the disk, angles of the draws. A trial that waits for the set-up of its subject is set up meanwhile. Memory is the program's own (anonymous pages): means while 5 to 15 % and 90 to 100 % of the trials were done.
 
 mod groups;
 mod keypoint_tables;
@@ -145,8 +145,7 @@ fn study(program: &Program, trials: &Path, study: &Path, name: &str, flags: &[&s
     let computing_s: f64 = lines.iter().filter_map(|line| line["computing_s"].as_f64()).sum();
     let a_trial = |seconds: f64| 1e3 * seconds / lines.len() as f64;
     let overhead = a_trial(WORKERS as f64 * run_s - computing_s);
-    let tenth = memory.iter().find(|(done, _)| 10 * done >= lines.len()).map_or(f64::NAN, |(_, mb)| *mb);
-    let last = memory.last().map_or(f64::NAN, |(_, mb)| *mb);
+    let [tenth, last] = [[5, 15], [90, 100]].map(|between| mean_memory(&memory, lines.len(), between));
     let holds = overhead <= MOST_MS && last <= MOST_GROWTH * tenth;
     Ok(format!(
         "| {name} | {} | {:.1} | {overhead:.1} | {tenth:.0} | {last:.0} | {plan_s:.1} | {gather_s:.1} | {run_s:.0} | {} |",
@@ -154,6 +153,13 @@ fn study(program: &Program, trials: &Path, study: &Path, name: &str, flags: &[&s
         a_trial(computing_s),
         if holds { "held" } else { "**missed**" }
     ))
+}
+
+/// Mean memory while between two percentages of all trials were done: at one moment it depends on what is at hand.
+fn mean_memory(memory: &[(usize, f64)], trials: usize, [from, to]: [usize; 2]) -> f64 {
+    let is_then = |(done, _): &&(usize, f64)| (from * trials..=to * trials).contains(&(100 * done));
+    let then: Vec<f64> = memory.iter().filter(is_then).map(|(_, megabytes)| *megabytes).collect();
+    then.iter().sum::<f64>() / then.len() as f64
 }
 
 /// Waits for a run, and notes how many trials are done and how much memory it holds, megabytes.
