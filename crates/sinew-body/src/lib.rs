@@ -21,6 +21,7 @@ pub mod fit;
 pub mod flesh;
 mod foot;
 pub mod frustum;
+pub mod half_turns;
 pub mod hapf31;
 pub mod hppf24;
 pub mod initial;

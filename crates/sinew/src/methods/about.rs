@@ -162,6 +162,11 @@ pub trait Method: fmt::Debug + Send + Sync {
         false
     }
 
+    /// Whether limits of joints are in its prior.
+    fn limits_joints(&self) -> bool {
+        false
+    }
+
     /// What a user of the method should know of how it was made, a sentence each.
     fn remarks(&self, making: &Making<'_>) -> Vec<String> {
         let _ = making;

@@ -197,6 +197,10 @@ impl Method for LimitedHmc {
         &ABOUT
     }
 
+    fn limits_joints(&self) -> bool {
+        true
+    }
+
     fn weighted_draws(&self) -> Option<usize> {
         None
     }

@@ -13,6 +13,7 @@ use crate::results::problem::{Problem, check_length};
 use crate::setup::measured_mistakes::mistakes;
 use crate::setup::{self, CameraSetup, Setup};
 use serde::{Deserialize, Serialize};
+use sinew_body::half_turns::half_turns;
 use sinew_body::motion_ranges::motion_ranges;
 use sinew_body::{KinematicTree, Plan, point_positions};
 use sinew_core::density::Lanes;
@@ -63,6 +64,8 @@ pub struct Shown {
 pub struct Scene {
     model: KeypointModel,
     limits: Lanes<JointLimits>,
+    /// Limbs that may be turned round where the method's prior has limits of joints.
+    half_turns: Vec<[usize; 4]>,
     setup: Setup,
     cameras: Vec<Camera>,
     layout: Layout,
@@ -168,6 +171,7 @@ impl Scene {
         let mut partners: Vec<usize> = (0..layout.points.len()).collect();
         pairs.iter().for_each(|&(l, r)| partners.swap(l, r));
         let pairs = pairs.into_iter().filter_map(|(l, r)| Some((place(l)?, place(r)?))).collect();
+        let is_limited = settings.method.limits_joints() && settings.latent_model.is_none();
         let watched = model.views.iter().map(|view| (view.camera.name.clone(), view.sigma_px));
         Ok(Self {
             predictive: Predictive::new(model.views.iter().map(|view| view.camera.name.clone()), settings.noise),
@@ -191,6 +195,7 @@ impl Scene {
             cameras: cameras.to_vec(),
             layout: layout.clone(),
             setup: setup.clone(),
+            half_turns: if is_limited { half_turns(tree) } else { vec![] },
             limits: body_limits(motion_ranges(tree), settings.isa).map_err(TrackError::Motion)?,
             model,
         })
@@ -251,6 +256,8 @@ impl Scene {
         let straight = || self.straightened(found.people.clone(), estimate);
         let restart = if may_restart { self.better_pose(&straight(), estimate, away, misfit) } else { None };
         let restart = restart.or_else(|| (turned && self.is_turned(estimate)).then(|| self.as_named(&found.people))?);
+        let may_turn = !away && found.is_present();
+        let restart = restart.or_else(|| may_turn.then(|| self.turned_back(estimate))?);
         let predicted = self.points(restart.as_deref().unwrap_or(estimate));
         self.bind_parts(&predicted);
         (self.model.bind(self.frame(&predicted)), restart)

@@ -2,8 +2,12 @@
 
 use super::{Scene, WORST};
 use crate::setup;
+use sinew_body::half_turns::half_turned;
 use sinew_core::density::LogDensity as _;
 use sinew_observe::offsets::Sighted;
+
+/// What a half turn of a limb must gain, nats: a hinge 5° beyond its range loses as much.
+const TURN_GAIN: f64 = 0.125;
 
 impl Scene {
     /// A pose that fits what is seen clearly better than one of that misfit; the pose of the set-up counts where the person was away. A limb that is turned by half a turn about itself and bends
@@ -20,6 +24,27 @@ impl Scene {
             .min_by(|a, b| a.0.total_cmp(&b.0))
             .filter(|(better, _)| *better < 0.7 * misfit)
             .map(|(_, pose)| pose)
+    }
+
+    /// The estimate with those limbs turned by half a turn about themselves that bend backward, where that explains the frame better.
+    ///
+    /// A limb that hangs straight may turn either way, and what it bent by was chance. The path with the limb turned in every frame is as likely under a walk in its angles and shows the same points, so
+    /// that limits alone tell the two apart.
+    pub(super) fn turned_back(&self, estimate: &[f64]) -> Option<Vec<f64>> {
+        let loss = |pose: &[f64]| 0.5 * self.squares(pose)[0] - self.limits.log_density(pose);
+        if self.limits.log_density(estimate) > -TURN_GAIN {
+            return None;
+        }
+        let (mut best, before) = (estimate.to_vec(), loss(estimate));
+        let mut least = before;
+        for &limb in &self.half_turns {
+            let turned = half_turned(&best, limb);
+            let after = loss(&turned);
+            if after < least - TURN_GAIN {
+                (best, least) = (turned, after);
+            }
+        }
+        (least < before).then_some(best)
     }
 
     /// How badly a pose fits the keypoints of the current frame, exchanged sides put right; 0 without any.
