@@ -86,7 +86,7 @@ impl Disagreement {
     /// Whether the numbers are hardly the same in all: the square is more than five standard deviations above its mean.
     #[must_use]
     pub fn is_gross(&self) -> bool {
-        self.square > self.degrees as f64 + 5.0 * (2.0 * self.degrees as f64).sqrt()
+        self.degrees > 0 && self.square > self.degrees as f64 + 5.0 * (2.0 * self.degrees as f64).sqrt()
     }
 }
 
@@ -101,7 +101,7 @@ pub fn disagreement(said: &[LastingData], units: &[f64]) -> Result<Disagreement,
     let own = said.iter().map(|said| explained(said, units)).collect::<Result<Vec<_>, _>>()?;
     let all = together(said).map_or(Ok((0.0, 0)), |all| explained(&all, units))?;
     let square = own.iter().map(|(square, _)| square).sum::<f64>() - all.0;
-    Ok(Disagreement { square, degrees: own.iter().map(|(_, rank)| rank).sum::<usize>() - all.1 })
+    Ok(Disagreement { square, degrees: own.iter().map(|(_, rank)| rank).sum::<usize>().saturating_sub(all.1) })
 }
 
 /// λᵀ Λ⁺ λ, and the rank of Λ, as far as it is known.

@@ -8,7 +8,7 @@
 //!   draw and programs for animation find bones to retarget.
 //!
 //! glTF has metres, seconds, Y up and right-handed axes, as our BVH files have; a file in another unit must be scaled
-//! first. A figure in glTF faces +Z. Numbers have single precision.
+//! first. A figure in glTF faces +Z at rest, which is for the skeleton to do. Numbers have single precision.
 
 mod bones;
 mod document;
@@ -30,6 +30,7 @@ pub fn write(out: &mut impl Write, skeleton: &Bvh) -> io::Result<()> {
     if joints.iter().enumerate().any(|(index, joint)| joint.parent.is_some_and(|parent| parent >= index)) {
         return Err(invalid("joints must follow their parents"));
     }
+    check_numbers(skeleton)?;
     let Document { root, mut bytes } = document::document(skeleton)?;
     let mut json = root.to_vec()?;
     // Chunks end at multiples of four bytes: text with spaces, numbers with zeros.
@@ -44,6 +45,27 @@ pub fn write(out: &mut impl Write, skeleton: &Bvh) -> io::Result<()> {
         out.write_all(&size(chunk.len())?.to_le_bytes())?;
         out.write_all(kind)?;
         out.write_all(chunk)?;
+    }
+    Ok(())
+}
+
+/// Refuses numbers that the format cannot hold, by their places.
+fn check_numbers(skeleton: &Bvh) -> io::Result<()> {
+    let check = |place: &dyn Fn() -> String, values: &[f64]| match values.iter().find(|x| !(**x as f32).is_finite()) {
+        Some(value) => Err(invalid(&format!("{} has {value:e}, which single precision does not reach", place()))),
+        None => Ok(()),
+    };
+    for joint in &skeleton.joints {
+        check(&|| format!("the offset of `{}`", joint.name), &joint.offset)?;
+        check(&|| format!("the end of `{}`", joint.name), &joint.end_site.unwrap_or_default())?;
+    }
+    for (number, row) in (1..).zip(&skeleton.frames) {
+        let mut column = 0;
+        for joint in &skeleton.joints {
+            let columns = column..column + joint.channels.len();
+            column = columns.end;
+            check(&|| format!("frame {number} of `{}`", joint.name), row.get(columns).unwrap_or_default())?;
+        }
     }
     Ok(())
 }

@@ -32,6 +32,7 @@ pub struct LiveFrame {
 }
 
 #[derive(serde::Deserialize)]
+#[serde(expecting = "a frame")]
 struct RawLine {
     frame: Option<u64>,
     cameras: Option<Entries>,

@@ -122,6 +122,7 @@ impl Tally {
 
 /// A file as it stands.
 #[derive(Deserialize)]
+#[serde(expecting = "an object with `people`")]
 pub(crate) struct RawFile {
     people: Option<Vec<RawPerson>>,
 }

@@ -5,7 +5,7 @@ use sinew::setup::Setup;
 use sinew::setup::lasting_errors::DrawnNumber;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Output;
 
 /// Settings that make a trial short.
@@ -147,8 +147,7 @@ fn subjects_of_a_session_share_its_cameras() {
 #[test]
 fn a_bad_trial_fails_alone_and_only_what_is_missing_is_run_again() {
     let trial = recordings();
-    let broken = trial.path("recordings/other/walk/pose/C1_json");
-    let first = fs::read_dir(&broken).unwrap().map(|entry| entry.unwrap().path()).min().unwrap();
+    let first = first_frame(&trial, "other/walk");
     let text = fs::read_to_string(&first).unwrap();
     fs::write(&first, "{\"people\": 3}").unwrap();
     assert_eq!(batch(&trial, &["plan", "recordings", "-o", "study"]).status.code(), Some(0));
@@ -179,6 +178,57 @@ fn a_bad_trial_fails_alone_and_only_what_is_missing_is_run_again() {
     assert!(nothing.contains("3 were done") && nothing.contains("now     0 done"), "{nothing}");
 }
 
+/// The file of the first frame of a camera.
+fn first_frame(trial: &Trial, name: &str) -> PathBuf {
+    let folder = trial.path(&format!("recordings/{name}/pose/C1_json"));
+    fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).min().unwrap()
+}
+
+#[test]
+fn a_subject_is_set_up_without_a_trial_that_cannot_be_read() {
+    let trial = recordings();
+    fs::write(first_frame(&trial, "anna/run"), "{\"people\": 3}").unwrap();
+    assert_eq!(batch(&trial, &["plan", "recordings", "-o", "study"]).status.code(), Some(0));
+    let output = batch(&trial, &["run", "study"]);
+    let printed = trial.printed(&output);
+    assert_eq!(output.status.code(), Some(1), "{printed}");
+    assert!(answer(&output).contains("2 done, of which 0 doubtful; 1 failed"), "{printed}");
+    assert!(printed.contains("set up without anna/run: ") && printed.contains("warning: anna/run: "), "{printed}");
+}
+
+/// Two of the trials have the same frames.
+#[test]
+fn packed_results_that_are_gone_are_missed_and_made_again() {
+    let trial = recordings();
+    let copied = files(&trial.path("recordings/other/walk"));
+    for (name, bytes) in copied {
+        let path = trial.path("recordings/other/copy").join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, bytes).unwrap();
+    }
+    let said = |arguments: &[&str], code: i32, words: &str| {
+        let output = batch(&trial, arguments);
+        let printed = trial.printed(&output) + &answer(&output);
+        assert!(output.status.code() == Some(code) && printed.contains(words), "{printed}");
+    };
+    said(&["plan", "recordings", "-o", "study", "--pack"], 0, "4 trials");
+    said(&["run", "study", "--threads=2"], 0, "4 done");
+    said(&["gather", "study"], 0, "4");
+    let archive = trial.path("study/results/0-of-1.tar");
+    let table = || fs::read_to_string(trial.path("study/summary.csv")).unwrap();
+    let (whole, length) = (table(), fs::metadata(&archive).unwrap().len());
+    fs::File::options().write(true).open(&archive).unwrap().set_len(length / 3).unwrap();
+    said(&["gather", "study"], 0, "missing");
+    assert!(table().contains("its results are gone or damaged: run the study again"), "{}", table());
+    let trials = ["anna/run", "anna/walk", "other/copy", "other/walk"];
+    let unpacked = || trials.map(|name| batch(&trial, &["unpack", "study", name, "-o", &format!("out/{name}")]));
+    let ended: Vec<Option<i32>> = unpacked().iter().map(|output| output.status.code()).collect();
+    assert_eq!(ended.iter().filter(|code| **code == Some(0)).count(), 1, "{ended:?}");
+    said(&["run", "study"], 0, "1 were done");
+    said(&["gather", "study"], 0, "4");
+    assert!(table() == whole && unpacked().iter().all(|output| output.status.success()));
+}
+
 #[test]
 fn folders_that_are_no_studies_are_refused_in_words() {
     let trial = recordings();
@@ -191,6 +241,7 @@ fn folders_that_are_no_studies_are_refused_in_words() {
     said(&["plan", "empty", "-o", "study"], 3, "holds no trial");
     said(&["plan", "recordings"], 2, "no folder for the study was given");
     said(&["run", "recordings"], 2, "is not a study");
+    said(&["unpack", "recordings", "anna/run", "-o", "out"], 2, "is not a study");
     said(&["run", "recordings", "--shard=2/2"], 2, "counted from 0");
     said(&["gather", "recordings", "--by", "person"], 2, "folder, name, subject, all");
     fs::create_dir(trial.path("study")).unwrap();

@@ -24,14 +24,18 @@ pub(super) fn document(skeleton: &Bvh) -> io::Result<Document> {
     let mut document = Document { root: Root { asset, ..Root::default() }, bytes: Vec::new() };
     let joints = document.nodes(skeleton);
     let origins = origins_at_rest(skeleton);
-    let skin = document.skin(&joints, &origins)?;
-    let mesh = document.mesh(&bones::mesh(&skeleton.joints, &origins))?;
-    let drawn = Node { name: Some("bones".into()), mesh: Some(mesh), skin: Some(skin), ..Node::default() };
-    let drawn = document.root.push(drawn);
+    let bones = bones::mesh(&skeleton.joints, &origins);
+    let mut nodes = vec![];
+    // A point without bones has nothing to draw; then it only moves.
+    if !bones.joints.is_empty() {
+        let skin = Some(document.skin(&joints, &origins)?);
+        let mesh = Some(document.mesh(&bones)?);
+        nodes.push(document.root.push(Node { name: Some("bones".into()), mesh, skin, ..Node::default() }));
+    }
     let roots = joints.iter().zip(&skeleton.joints).filter(|(_, joint)| joint.parent.is_none());
     let children = Some(roots.map(|(node, _)| *node).collect());
     let holder = document.root.push(Node { name: Some("skeleton".into()), children, ..Node::default() });
-    let nodes = vec![holder, drawn];
+    nodes.push(holder);
     let scene = Scene { name: None, nodes, extensions: None, extras: Default::default() };
     document.root.scene = Some(document.root.push(scene));
     if !skeleton.frames.is_empty() {
@@ -115,6 +119,9 @@ impl Document {
 
     fn animation(&mut self, skeleton: &Bvh, joints: &[Index<Node>]) -> io::Result<()> {
         let times: Vec<f32> = (0..skeleton.frames.len()).map(|k| (k as f64 * skeleton.frame_time_s) as f32).collect();
+        if !times.is_sorted_by(|a, b| a < b) {
+            return Err(invalid("frames follow each other more closely than single precision can tell apart"));
+        }
         let input = self.numbers(&times, Type::Scalar, None)?;
         let (mut channels, mut samplers) = (vec![], vec![]);
         let mut column = 0;

@@ -128,6 +128,17 @@ fn bones_move_with_their_joints() {
     }
 }
 
+/// A ball that is tracked as one point.
+#[test]
+fn a_point_moves_without_bones() {
+    let mut ball = skeleton();
+    ball.joints.truncate(1);
+    ball.frames.iter_mut().for_each(|row| row.truncate(6));
+    let file = written(&ball);
+    assert_eq!((file.meshes().len(), file.skins().len()), (0, 0));
+    assert!(near(&globals(&file, 2)["trunk"][3], forward_kinematics(&ball.joints, &ball.frames[2])[0], 1e-4));
+}
+
 #[test]
 fn turns_take_the_short_way() {
     let file = written(&skeleton());
@@ -152,5 +163,6 @@ fn what_cannot_be_drawn_is_refused() {
     assert_eq!(refused(turned), "joints must follow their parents");
     let mut far = skeleton();
     far.frames[0][0] = 1e39;
-    assert_eq!(refused(far), "a number is not finite in single precision");
+    assert_eq!(refused(far), "frame 1 of `trunk` has 1e39, which single precision does not reach");
+    assert!(refused(Bvh { frame_time_s: 1e-300, ..skeleton() }).starts_with("frames follow each other more closely"));
 }

@@ -4,7 +4,7 @@ use super::RESULTS;
 use super::angle_draws::{ANGLE_DRAWS, read_angle_draws};
 use super::group_statistics::{Groups, to_csv};
 use super::ledger::{EndedTask, TaskEnd, ended};
-use super::packed::unpacked;
+use super::packed::{inside, unpacked};
 use super::page::page;
 use super::plan::{Task, read};
 use super::trial_table::{Gathered, TrialState, row, table};
@@ -65,14 +65,15 @@ pub fn gather(study: &Path, by: GroupBy) -> Result<Gathered, Error> {
     let (mut rows, mut groups, mut gathered) = (vec![], Groups::default(), Gathered::default());
     for task in &tasks {
         let line = known.get(&task.trial).filter(|line| line.hash == task.hash);
-        let (state, why) = state_of(line);
+        let found = line.filter(|line| line.is_there() && line.is_kept(study)).map(|line| results(study, line));
+        let found = found.and_then(Result::ok).unwrap_or_default();
+        let (state, why) = state_of(line, !found.is_empty());
         gathered.counts[state as usize] += 1;
-        if !line.is_some_and(EndedTask::is_there) {
+        if found.is_empty() {
             gathered.lacking.push((task.trial.clone(), why.clone()));
             rows.push(row(task, "", state, &why, &Value::Null));
-            continue;
         }
-        for (person, summary, angles) in results(study, line)? {
+        for (person, summary, angles) in found {
             rows.push(row(task, &person, state, &why, &summary));
             groups.add(&by.of(task), read_angle_draws(&angles));
         }
@@ -84,8 +85,11 @@ pub fn gather(study: &Path, by: GroupBy) -> Result<Gathered, Error> {
     Ok(gathered)
 }
 
-fn state_of(line: Option<&EndedTask>) -> (TrialState, String) {
+fn state_of(line: Option<&EndedTask>, has_results: bool) -> (TrialState, String) {
     match line {
+        Some(line) if line.is_there() && !has_results => {
+            (TrialState::Missing, "its results are gone or damaged: run the study again".into())
+        }
         None => (TrialState::Missing, "not run yet, or not since inputs or settings changed".into()),
         Some(line) => {
             let state = match line.ended {
@@ -99,15 +103,11 @@ fn state_of(line: Option<&EndedTask>) -> (TrialState, String) {
 }
 
 /// Person, summary and angles of each result folder of a trial.
-fn results(study: &Path, line: Option<&EndedTask>) -> Result<Vec<(String, Value, String)>, Error> {
-    let Some(line) = line else { return Ok(vec![]) };
+fn results(study: &Path, line: &EndedTask) -> Result<Vec<(String, Value, String)>, Error> {
     let mut files = match &line.packed {
         Some(packed) => unpacked(study, packed, |name| name.ends_with("summary.json") || name.ends_with(ANGLE_DRAWS))?
             .into_iter()
-            .filter_map(|(name, bytes)| {
-                let own = name.strip_prefix(line.trial.as_str())?.trim_start_matches('/').to_owned();
-                Some((own, String::from_utf8_lossy(&bytes).into_owned()))
-            })
+            .map(|(name, bytes)| (inside(&line.trial, &name).to_owned(), String::from_utf8_lossy(&bytes).into_owned()))
             .collect(),
         None => small_files(&study.join(RESULTS).join(&line.trial))?,
     };

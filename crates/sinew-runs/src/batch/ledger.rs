@@ -10,6 +10,7 @@ use std::fs::{self, File, TryLockError};
 use std::io::{Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
+use super::RESULTS;
 use super::shard::Shard;
 
 /// Folder of the ledgers in a study.
@@ -116,7 +117,12 @@ impl Ledger {
 /// A ledger that cannot be read.
 pub fn ended(study: &Path) -> Result<HashMap<String, EndedTask>, Error> {
     let folder = study.join(LEDGERS);
-    let mut files: Vec<PathBuf> = fs::read_dir(&folder).into_iter().flatten().flatten().map(|e| e.path()).collect();
+    let mut files: Vec<PathBuf> = match fs::read_dir(&folder) {
+        Ok(entries) => entries.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>(),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(vec![]),
+        Err(error) => Err(error),
+    }
+    .map_err(sinew::Error::io("read", &folder))?;
     files.sort();
     let mut all: HashMap<String, EndedTask> = HashMap::new();
     for path in files.iter().filter(|path| path.extension().is_some_and(|e| e == "jsonl")) {
@@ -135,6 +141,17 @@ impl EndedTask {
     #[must_use]
     pub fn is_there(&self) -> bool {
         self.ended != TaskEnd::Failed
+    }
+
+    /// Whether the results of which it speaks are still in a study.
+    #[must_use]
+    pub fn is_kept(&self, study: &Path) -> bool {
+        match &self.packed {
+            Some(Packed { archive, offset, length }) => {
+                fs::metadata(study.join(archive)).is_ok_and(|file| offset + length <= file.len())
+            }
+            None => study.join(RESULTS).join(&self.trial).join("summary.json").is_file(),
+        }
     }
 }
 

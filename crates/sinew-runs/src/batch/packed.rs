@@ -3,6 +3,7 @@
 //! The archive is a tar file that holds the files of the trials one after the other; the ledger says where each begins. What a kill left behind the last whole trial is cut off.
 
 use super::ledger::{EndedTask, Packed, ended};
+use super::plan::read;
 use super::scratch::Scratch;
 use super::shard::Shard;
 use crate::Error;
@@ -12,6 +13,9 @@ use std::path::{Path, PathBuf};
 
 /// Folder of the archives in a study.
 const ARCHIVES: &str = "results";
+
+/// Length of the blocks of a tar file.
+const BLOCK_BYTES: u64 = 512;
 
 /// Two empty blocks, with which a tar file ends.
 const END_BYTES: u64 = 1024;
@@ -30,14 +34,14 @@ pub(super) struct Archive {
 }
 
 impl Archive {
-    /// Opens the archive of a shard behind the last trial that a ledger knows.
+    /// Opens the archive of a shard behind the last of the trials whose results are in it.
     ///
     /// # Errors
     /// Errors of the disk.
     pub(super) fn open<'a>(
         study: &Path,
         shard: Shard,
-        known: impl Iterator<Item = &'a EndedTask>,
+        kept: impl Iterator<Item = &'a EndedTask>,
     ) -> Result<Self, Error> {
         let name = format!("{ARCHIVES}/{}-of-{}.tar", shard.index, shard.count);
         let path = study.join(&name);
@@ -45,7 +49,7 @@ impl Archive {
         fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;
         let failed = |error| sinew::Error::io("write", &path)(error);
         let file = File::options().read(true).write(true).create(true).truncate(false).open(&path).map_err(failed)?;
-        let own = known.filter_map(|task| task.packed.as_ref()).filter(|packed| packed.archive == name);
+        let own = kept.filter_map(|task| task.packed.as_ref()).filter(|packed| packed.archive == name);
         let end = own.map(|packed| packed.offset + packed.length).max().unwrap_or(0);
         file.set_len(end).map_err(failed)?;
         Ok(Self { name, path, file })
@@ -119,7 +123,7 @@ impl Seek for FromPlace {
 /// Takes the results of a trial out of its archive: the files that are wanted, with what they hold.
 ///
 /// # Errors
-/// Errors of the disk; an archive that is cut short.
+/// Errors of the disk; an archive that is cut short or holds something else there.
 pub fn unpacked(
     study: &Path,
     packed: &Packed,
@@ -130,13 +134,14 @@ pub fn unpacked(
     let mut file = File::open(&path).map_err(failed)?;
     file.seek(SeekFrom::Start(packed.offset)).map_err(failed)?;
     let mut archive = tar::Archive::new(FromPlace { file, start: packed.offset });
-    let mut found = vec![];
+    let (mut found, mut end) = (vec![], 0);
     // Files that are not wanted are passed over, not read.
     for entry in archive.entries_with_seek().map_err(failed)? {
         let mut entry = entry.map_err(failed)?;
         if entry.raw_header_position() >= packed.length {
             break;
         }
+        end = (entry.raw_file_position() + entry.size()).next_multiple_of(BLOCK_BYTES);
         let name = entry.path().map_err(failed)?.to_string_lossy().into_owned();
         if is_wanted(&name) {
             let mut bytes = vec![];
@@ -144,20 +149,29 @@ pub fn unpacked(
             found.push((name, bytes));
         }
     }
-    Ok(found)
+    if end == packed.length {
+        return Ok(found);
+    }
+    let damaged = format!("{end} of {} bytes from {} on are files of this trial", packed.length, packed.offset);
+    Err(failed(io::Error::new(io::ErrorKind::InvalidData, damaged)).into())
+}
+
+/// Name of a file in a trial's results, from its name in the archive; the trial `.` is the root of the study.
+pub(super) fn inside<'a>(trial: &str, name: &'a str) -> &'a str {
+    name.strip_prefix(trial).map_or(name, |name| name.trim_start_matches('/'))
 }
 
 /// Takes all results of a trial out of a study into a folder.
 ///
 /// # Errors
-/// [`Error::NotPacked`]; errors of the disk.
+/// [`Error::NotAStudy`], [`Error::NotPacked`]; errors of the disk.
 pub fn unpack(study: &Path, trial: &str, out: &Path) -> Result<(), Error> {
+    read(study)?;
     let known = ended(study)?;
     let packed = known.get(trial).and_then(|line| line.packed.as_ref());
     let packed = packed.ok_or_else(|| Error::NotPacked { study: study.to_owned(), trial: trial.to_owned() })?;
     for (name, bytes) in unpacked(study, packed, |_| true)? {
-        let Ok(inside) = Path::new(&name).strip_prefix(trial) else { continue };
-        let path = out.join(inside);
+        let path = out.join(inside(trial, &name));
         let folder = path.parent().unwrap_or(out);
         fs::create_dir_all(folder).map_err(sinew::Error::io("create", folder))?;
         fs::write(&path, bytes).map_err(sinew::Error::io("write", &path))?;
@@ -189,7 +203,7 @@ mod tests {
     #[test]
     fn packed_files_come_out_also_after_a_kill() {
         let root = tempfile::tempdir().unwrap();
-        let results = Scratch::new("packed_files_come_out").unwrap();
+        let results = Scratch::new().unwrap();
         let write = |name: &str, bytes: &[u8]| {
             let mut file = results.storage().create(&results.folder().join(name)).unwrap();
             file.write_all(bytes).unwrap();

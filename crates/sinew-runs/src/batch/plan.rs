@@ -150,7 +150,7 @@ fn task(trial: &FoundTrial, root: &Path) -> Task {
             let pool = config.subject.as_ref().and_then(|subject| pool(subject, &session, &resolved, &config));
             Task { hash: format!("{hash:016x}"), subject: config.subject, session, pool, ..unknown }
         }
-        Err(error) => Task { problem: Some(error.to_string()), ..unknown },
+        Err(error) => Task { problem: Some(error.with_causes()), ..unknown },
     }
 }
 

@@ -14,6 +14,7 @@ use sinew::files::read_bytes;
 use sinew::formats::source_text::MAX_TEXT_BYTES;
 use sinew::input::footage::Footage;
 use sinew::input::one_after_another::OneAfterAnother;
+use sinew::input::source::FrameSource as _;
 use sinew::observe::association;
 use sinew::results::write_whole;
 use sinew::setup::KnownSetup;
@@ -202,7 +203,7 @@ impl Shared<'_> {
     }
 }
 
-/// The set-up of a pool.
+/// The set-up of a pool, without trials whose files cannot be read: they fail alone.
 fn made(
     study: &Shared<'_>,
     pool: &str,
@@ -211,12 +212,48 @@ fn made(
 ) -> Result<MadeSetup, Error> {
     let members = study.members(pool);
     let members: Vec<&Task> = members.iter().copied().step_by(members.len().div_ceil(MOST_TRIALS).max(1)).collect();
-    let unlike = || Error::UnlikeTrials { pool: pool.to_owned() };
-    let mut recordings = vec![];
+    let error = match made_from(study, pool, &members, cameras.clone(), listener) {
+        Ok(made) => return Ok(made),
+        Err(error @ Error::Library(sinew::Error::Interrupted(_))) => return Err(error),
+        Err(error) => error,
+    };
+    let mut whole = vec![];
     for task in &members {
-        let config = study.settings(Some(task))?.ok_or_else(unlike)?.track();
-        recordings.push(Footage::open(&config.files(&crate::calibration(&config)?), &reading(&config))?);
+        match read_whole(study, task) {
+            Ok(()) => whole.push(*task),
+            Err(why) => {
+                listener.warning(&format!("{pool}: set up without {}: {}", task.trial, why.with_causes()));
+            }
+        }
     }
+    if whole.is_empty() || whole.len() == members.len() {
+        return Err(error);
+    }
+    made_from(study, pool, &whole, cameras, listener)
+}
+
+fn recording(study: &Shared<'_>, task: &Task) -> Result<Footage, Error> {
+    let config = task.as_trial().settings(study.root, &[])?.track();
+    Ok(Footage::open(&config.files(&crate::calibration(&config)?), &reading(&config))?)
+}
+
+/// Reads all frames of a trial once.
+fn read_whole(study: &Shared<'_>, task: &Task) -> Result<(), Error> {
+    let mut recording = recording(study, task)?;
+    let mut frames = recording.frames();
+    Ok(frames.try_for_each(|number| recording.people(number).map(drop)).map_err(sinew::Error::from)?)
+}
+
+/// The set-up of a pool from some of its trials.
+fn made_from(
+    study: &Shared<'_>,
+    pool: &str,
+    members: &[&Task],
+    cameras: Option<Arc<SharedCameras>>,
+    listener: &dyn Listener,
+) -> Result<MadeSetup, Error> {
+    let unlike = || Error::UnlikeTrials { pool: pool.to_owned() };
+    let recordings = members.iter().map(|task| recording(study, task)).collect::<Result<Vec<_>, _>>()?;
     let mut first = study.settings(members.first())?.ok_or_else(unlike)?;
     first.shared_cameras = cameras;
     let fps = first.track().settings()?.fps;

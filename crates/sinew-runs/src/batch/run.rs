@@ -5,7 +5,7 @@
 use super::RESULTS;
 use super::angle_draws::write_angle_draws;
 use super::keeping::{Ended, Keeping};
-use super::ledger::{EndedTask, Ledger, Packed, TaskEnd, ended};
+use super::ledger::{EndedTask, Ledger, TaskEnd, ended};
 use super::packed::Archive;
 use super::plan::{Share, StudyPlan, Task, read};
 use super::pooled_setup::{PooledSetups, Shared};
@@ -20,7 +20,6 @@ use serde_json::Value;
 use sinew::formats::source_text::MAX_TEXT_BYTES;
 use sinew::results::problem::Problem;
 use sinew::results::{Storage, UnsyncedDisk, read_stored};
-use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
@@ -63,11 +62,12 @@ pub fn run(folder: &Path, shard: Shard, threads: usize, listener: &dyn Listener)
     let (plan, tasks) = read(folder)?;
     let ledger = Ledger::open(folder, shard)?;
     let known = ended(folder)?;
-    let archive = plan.packed.then(|| Archive::open(folder, shard, known.values())).transpose()?;
+    let kept = || known.values().filter(|line| line.is_there() && line.is_kept(folder));
+    let archive = plan.packed.then(|| Archive::open(folder, shard, kept())).transpose()?;
     let own = || (0..tasks.len()).filter(|&place| shard.holds(place));
     let is_done = |&place: &usize| {
         let task: &Task = &tasks[place];
-        known.get(&task.trial).is_some_and(|line| line.hash == task.hash && line.is_there() && is_kept(folder, line))
+        known.get(&task.trial).is_some_and(|line| line.hash == task.hash && line.is_there() && line.is_kept(folder))
     };
     let before = own().filter(is_done).count();
     let missing: Vec<usize> = own().filter(|place| !is_done(place)).collect();
@@ -113,16 +113,6 @@ pub fn run(folder: &Path, shard: Shard, threads: usize, listener: &dyn Listener)
     failed.sort();
     end.failed = failed.into_iter().map(|(_, trial, why)| (trial, why)).collect();
     Ok(end)
-}
-
-/// Whether the results of which a line speaks are still there.
-fn is_kept(study: &Path, line: &EndedTask) -> bool {
-    match &line.packed {
-        Some(Packed { archive, offset, length }) => {
-            fs::metadata(study.join(archive)).is_ok_and(|file| offset + length <= file.len())
-        }
-        None => study.join(RESULTS).join(&line.trial).join("summary.json").is_file(),
-    }
 }
 
 /// What a trial came to.
@@ -175,7 +165,7 @@ impl Study<'_> {
                 self.tracked_into(task, &self.folder.join(RESULTS).join(&task.trial), Arc::new(UnsyncedDisk))?;
             return Ok(ending.map(|ending| (ending, None)));
         }
-        let scratch = Scratch::new(&task.hash)?;
+        let scratch = Scratch::new()?;
         let storage = Arc::clone(scratch.storage());
         let ending = self.tracked_into(task, scratch.folder(), storage)?;
         Ok(ending.map(|ending| (ending, Some(scratch))))

@@ -10,6 +10,7 @@ use std::fs;
 use std::io::{self, Cursor, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Bytes of a trial in memory: some hundred frames.
 const IN_MEMORY: usize = 32 << 20;
@@ -21,14 +22,22 @@ pub(super) struct Scratch {
 }
 
 impl Scratch {
-    /// A place of its own for each name.
+    /// An empty place that nobody else has.
     ///
     /// # Errors
     /// Errors of the disk.
-    pub(super) fn new(name: &str) -> Result<Self, Error> {
-        let folder = std::env::temp_dir().join(format!("sinew-batch-{}-{name}", std::process::id()));
-        fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;
-        Ok(Self { folder, storage: Arc::new(MemoryFirst::new(IN_MEMORY)) })
+    pub(super) fn new() -> Result<Self, Error> {
+        static MADE: AtomicU64 = AtomicU64::new(0);
+        loop {
+            let number = MADE.fetch_add(1, Ordering::Relaxed);
+            let folder = std::env::temp_dir().join(format!("sinew-batch-{}-{number}", std::process::id()));
+            match fs::create_dir(&folder) {
+                Ok(()) => return Ok(Self { folder, storage: Arc::new(MemoryFirst::new(IN_MEMORY)) }),
+                // Left behind by a process of the same number that was killed.
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(sinew::Error::io("create", &folder)(error).into()),
+            }
+        }
     }
 
     /// Its folder.

@@ -39,10 +39,20 @@ impl Shard {
         let (index, own_count) = match number("SLURM_ARRAY_TASK_ID")? {
             Some(id) => {
                 let first = number("SLURM_ARRAY_TASK_MIN")?.unwrap_or(0);
-                (id.saturating_sub(first), number("SLURM_ARRAY_TASK_COUNT")?)
+                let own_count = number("SLURM_ARRAY_TASK_COUNT")?;
+                let span = number("SLURM_ARRAY_TASK_MAX")?.map(|last| last + 1 - first.min(last));
+                // Some tasks of an array that are begun again are numbered as in the whole one.
+                let differs = |other: Option<usize>| own_count.is_some() && other.is_some() && other != own_count;
+                if differs(span) || differs(count) {
+                    return Err("this job array is a part of another: give each task its `--shard I/N`".into());
+                }
+                (id.saturating_sub(first), own_count)
             }
             None => match number("JOB_COMPLETION_INDEX")? {
                 Some(index) => (index, None),
+                None if count.is_some() => {
+                    return Err("no scheduler says which of these parts this is: give `--shard I/N`".into());
+                }
                 None => return Ok(None),
             },
         };
@@ -107,6 +117,14 @@ mod tests {
         assert_eq!(with(&[], None), Ok(None));
         let slurm = &[("SLURM_ARRAY_TASK_ID", "4"), ("SLURM_ARRAY_TASK_MIN", "1"), ("SLURM_ARRAY_TASK_COUNT", "8")];
         assert_eq!(with(slurm, None), Ok(Some(Shard { index: 3, count: 8 })));
+        let again = &[
+            ("SLURM_ARRAY_TASK_ID", "7"),
+            ("SLURM_ARRAY_TASK_MIN", "3"),
+            ("SLURM_ARRAY_TASK_MAX", "7"),
+            ("SLURM_ARRAY_TASK_COUNT", "2"),
+        ];
+        assert!(with(again, None).is_err() && with(&again[..], Some(16)).is_err() && with(slurm, Some(16)).is_err());
+        assert!(with(&[], Some(4)).is_err());
         let kubernetes = &[("JOB_COMPLETION_INDEX", "2")];
         assert_eq!(with(kubernetes, Some(5)), Ok(Some(Shard { index: 2, count: 5 })));
         assert!(with(kubernetes, None).is_err() && with(kubernetes, Some(2)).is_err());

@@ -9,7 +9,7 @@
 #SBATCH --output=sinew-%a.out
 #SBATCH --open-mode=append
 study={STUDY}
-sinew batch run "$study" --no-progress &
+sinew batch run "$study" --shard "$SLURM_ARRAY_TASK_ID/{SHARDS}" --no-progress &
 child=$!
 trap 'kill -TERM "$child"' TERM
 wait "$child"

@@ -13,6 +13,12 @@ use std::sync::Arc;
 /// Bytes of a line at most: a hundred people in a hundred cameras.
 pub(super) const MOST_BYTES: usize = 1 << 24;
 
+/// The number of a line that is no frame otherwise.
+#[derive(serde::Deserialize)]
+struct Numbered {
+    frame: Option<u64>,
+}
+
 /// What a line is held against.
 pub(super) struct Reading {
     pub(super) cameras: LiveCameras,
@@ -61,8 +67,10 @@ impl Reading {
     /// The frame of a line, if it is one that may follow the last one.
     fn frame(&mut self, line: u64, text: &[u8], last: Option<u64>) -> Result<Views, (Option<u64>, Kind, String)> {
         let name = format!("line {line}");
-        let malformed = |error: &dyn std::fmt::Display| (None, Kind::Malformed, error.to_string());
-        let text = std::str::from_utf8(text).map_err(|error| malformed(&format!("{name}: {error}; save as UTF-8")))?;
+        let text = std::str::from_utf8(text)
+            .map_err(|error| (None, Kind::Malformed, format!("{name}: {error}; save as UTF-8")))?;
+        let numbered = || serde_json::from_str::<Numbered>(text).ok()?.frame;
+        let malformed = |error: &dyn std::fmt::Display| (numbered(), Kind::Malformed, error.to_string());
         let views = self.cameras.read(&name, text, self.layout.as_ref()).map_err(|error| malformed(&error))?;
         let number = views.number;
         let refused = |kind, text| Err((Some(number), kind, text));
