@@ -49,7 +49,7 @@ mod tests {
     use sinew_core::lanes::Isa;
 
     #[test]
-    fn a_half_turn_moves_no_point_but_those_of_feet() {
+    fn a_half_turn_moves_points_of_feet_only() {
         for tree in [h32(&Proportions::default()), cf28(&Proportions::default())] {
             let names = tree.dof_names();
             let limbs = half_turns(&tree);

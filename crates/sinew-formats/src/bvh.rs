@@ -46,7 +46,6 @@ mod hierarchy;
 mod reader;
 mod writer;
 
-pub(crate) use hierarchy::local_transform;
-pub use hierarchy::{Bvh, BvhJoint, Channel, bvh_from_world, forward_kinematics, world_from_bvh};
+pub use hierarchy::{Bvh, BvhJoint, Channel, bvh_from_world, forward_kinematics, local_transform, world_from_bvh};
 pub use reader::read;
 pub use writer::{write, write_frame, write_header};

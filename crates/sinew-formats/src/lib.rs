@@ -19,7 +19,6 @@
 //! | [`trc`], [`mot`] | trajectories of points, coordinates (OpenSim) | yes | yes |
 //! | [`c3d`] | points, analog channels and events of laboratories | yes | points |
 //! | [`bvh`] | skeleton and joint angles (Blender) | yes | yes |
-//! | [`gltf`] | the same for viewers and engines, with a mesh of the bones | – | yes |
 //! | [`tidy_csv`], [`point_table`] | tables with the unit in every column name | yes | yes |
 //! | [`body_toml`] | kinematic trees of our own | yes | yes |
 //! | [`zarr`] | draws and statistics (ArviZ, xarray) | – | yes |
@@ -58,7 +57,6 @@ pub mod coco_results;
 pub mod deeplabcut_csv;
 mod error;
 pub mod frame_number;
-pub mod gltf;
 pub mod json_text;
 pub mod keypoint_formats;
 pub mod keypoint_table;

@@ -84,7 +84,8 @@ fn from_quaternion([w, x, y, z]: [f64; 4]) -> Matrix {
 }
 
 /// Unit quaternion (w, x, y, z) of a rotation.
-pub(crate) fn to_quaternion(&[[a, b, c], [d, e, f], [g, h, i]]: &Matrix) -> [f64; 4] {
+#[must_use]
+pub fn to_quaternion(&[[a, b, c], [d, e, f], [g, h, i]]: &Matrix) -> [f64; 4] {
     // Four times the squares of w, x, y, z: dividing by the largest keeps the precision.
     let squares = [1.0 + a + e + i, 1.0 + a - e - i, 1.0 - a + e - i, 1.0 - a - e + i];
     let [ww, xx, yy, zz] = squares;

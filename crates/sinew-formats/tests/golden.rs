@@ -11,7 +11,7 @@ use sinew_formats::rotation::{IDENTITY, Matrix};
 use sinew_formats::tidy_csv::Cell;
 use sinew_formats::zarr::inference_data::{DrawsKind, Run, posterior, schema};
 use sinew_formats::zarr::{FrameValues, MemoryStore, Writer};
-use sinew_formats::{body_toml, bvh, c3d, calib_toml, gltf, layout, mot, tidy_csv, trc};
+use sinew_formats::{body_toml, bvh, c3d, calib_toml, layout, mot, tidy_csv, trc};
 use sinew_observe::lens::Brown;
 use sinew_observe::{Camera, Intrinsics};
 use std::path::{Path, PathBuf};
@@ -86,10 +86,7 @@ fn skeletons() {
     bvh::write_frame(&mut out, &hanging).unwrap();
     bvh::write_frame(&mut out, &skeleton.channels(&[IDENTITY, raised, raised], root, Some(&hanging))).unwrap();
     check("motion.bvh", &out);
-    let mut for_viewers = Vec::new();
     let read = bvh::read("motion.bvh", std::str::from_utf8(&out).unwrap()).unwrap();
-    gltf::write(&mut for_viewers, &read).unwrap();
-    check("motion.glb", &for_viewers);
     for (frame, wrist) in [(0, [1.18, 2.0, 0.88]), (1, [1.74, 2.0, 1.44])] {
         let (name, point) = read.positions(frame).unwrap().pop().unwrap();
         assert_eq!(name, "forearm_End");
@@ -215,18 +212,6 @@ for frame, wrist in [(1, (1.18, 2.0, 0.88)), (2, (1.74, 2.0, 1.44))]:
     bpy.context.scene.frame_set(frame)
     tail = rig.matrix_world @ rig.pose.bones['forearm'].tail
     assert all(abs(a - b) < 1e-5 for a, b in zip(tail, wrist)), (frame, tail)
-bpy.ops.wm.read_factory_settings(use_empty=True)
-bpy.context.scene.render.fps = 30
-bpy.ops.import_scene.gltf(filepath=sys.argv[2])
-rig = next(o for o in bpy.data.objects if o.type == 'ARMATURE')
-mesh = next(o for o in bpy.data.objects if o.type == 'MESH' and o.parent == rig)
-assert sorted(bone.name for bone in rig.pose.bones) == ['forearm', 'trunk', 'upper_arm']
-for frame, wrist in [(0, (1.18, 2.0, 0.88)), (1, (1.74, 2.0, 1.44))]:
-    bpy.context.scene.frame_set(frame)
-    drawn = mesh.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    corners = [mesh.matrix_world @ v.co for v in drawn.data.vertices]
-    far = min(sum((a - b) ** 2 for a, b in zip(corner, wrist)) ** .5 for corner in corners)
-    assert far < 1e-5, (frame, far)
 ";
-    python("bpy", script, &[golden("motion.bvh"), golden("motion.glb")]);
+    python("bpy", script, &[golden("motion.bvh")]);
 }

@@ -9,6 +9,7 @@
 //! | [`retarget`] | a body in a person's size, and its states along a motion |
 //! | [`median_lengths`](mod@median_lengths) | the lengths of a person's segments, for the bodies of silhouettes |
 //! | [`damped_fit`] | states of such a body along a motion, each near the one before |
+//! | [`gltf`] | a moving skeleton as glTF, with a mesh of its bones |
 //! | [`hppf24_scale`] | HPPF24 with one scale for all parts |
 //!
 //! ```
@@ -29,6 +30,7 @@ pub mod cmu;
 pub mod damped_fit;
 mod error;
 pub mod follow;
+pub mod gltf;
 pub mod hppf24_scale;
 pub mod median_lengths;
 pub mod points;

@@ -30,9 +30,3 @@ mod trials;
 
 pub use packed::{unpack, unpacked};
 pub use submit::write_submit_files;
-
-/// Names of the files of a plan.
-const PLAN: &str = "plan.json";
-const TASKS: &str = "tasks.jsonl";
-/// Folder of result folders and archives in a study.
-const RESULTS: &str = "results";

@@ -94,7 +94,7 @@ pub fn forward_kinematics(joints: &[BvhJoint], values: &[f64]) -> Vec<[f64; 3]> 
 }
 
 /// Origin and rotation of a joint in its parent's frame; takes the values of its channels, and missing ones as 0.
-pub(crate) fn local_transform(joint: &BvhJoint, values: &mut impl Iterator<Item = f64>) -> ([f64; 3], Matrix) {
+pub fn local_transform(joint: &BvhJoint, values: &mut impl Iterator<Item = f64>) -> ([f64; 3], Matrix) {
     let mut shift = joint.offset;
     let mut rotation = IDENTITY;
     for &channel in &joint.channels {

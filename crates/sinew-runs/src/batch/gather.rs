@@ -1,9 +1,8 @@
 //! One table and one page over all trials of a study, and statistics by group.
 
-use super::RESULTS;
 use super::angle_draws::{ANGLE_DRAWS, read_angle_draws};
 use super::group_statistics::{Groups, to_csv};
-use super::ledger::{EndedTask, TaskEnd, ended};
+use super::ledger::{EndedTask, RESULTS, TaskEnd, ended};
 use super::packed::{inside, unpacked};
 use super::page::page;
 use super::plan::{Task, read};

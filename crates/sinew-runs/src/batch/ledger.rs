@@ -10,8 +10,10 @@ use std::fs::{self, File, TryLockError};
 use std::io::{Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
-use super::RESULTS;
 use super::shard::Shard;
+
+/// Folder of result folders and archives in a study.
+pub(super) const RESULTS: &str = "results";
 
 /// Folder of the ledgers in a study.
 const LEDGERS: &str = "ended";

@@ -2,8 +2,7 @@
 //!
 //! Of text files the hash is over their content; of images and masks over names, sizes and times of change, since reading them all takes as long as tracking.
 
-use super::trials::{self, FoundTrial};
-use super::{PLAN, TASKS};
+use super::trials::{self, FoundTrial, TASKS};
 use crate::Error;
 use serde::{Deserialize, Serialize};
 use sinew::config::{Resolved, TrackConfig};
@@ -14,6 +13,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::UNIX_EPOCH;
+
+/// File of a study with what holds for all its trials.
+const PLAN: &str = "plan.json";
 
 /// Most bytes of a list of tasks.
 const MAX_BYTES: u64 = 1 << 32;

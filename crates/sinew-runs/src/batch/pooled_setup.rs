@@ -175,7 +175,7 @@ pub(super) struct Shared<'a> {
     pub(super) tasks: &'a [Task],
     /// Whether subjects of a session share its cameras.
     pub(super) cameras: bool,
-    /// Who hears of sessions.
+    /// Who hears of sessions, and of trials that cannot be read.
     pub(super) listener: &'a dyn Listener,
 }
 
@@ -222,7 +222,7 @@ fn made(
         match read_whole(study, task) {
             Ok(()) => whole.push(*task),
             Err(why) => {
-                listener.warning(&format!("{pool}: set up without {}: {}", task.trial, why.with_causes()));
+                study.listener.warning(&format!("{pool}: set up without {}: {}", task.trial, why.with_causes()));
             }
         }
     }

@@ -2,10 +2,9 @@
 //!
 //! A trial that fails, even by a bug, fails alone. An interrupt ends all at the frame at hand; what was not packed is continued by the next run.
 
-use super::RESULTS;
 use super::angle_draws::write_angle_draws;
 use super::keeping::{Ended, Keeping};
-use super::ledger::{EndedTask, Ledger, TaskEnd, ended};
+use super::ledger::{EndedTask, Ledger, RESULTS, TaskEnd, ended};
 use super::packed::Archive;
 use super::plan::{Share, StudyPlan, Task, read};
 use super::pooled_setup::{PooledSetups, Shared};

@@ -9,6 +9,9 @@ use sinew::config::{Resolved, Sources, resolve};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+/// File of a study with a line for each trial.
+pub(super) const TASKS: &str = "tasks.jsonl";
+
 /// Folder in which Pose2Sim keeps the keypoints of a trial.
 const POSE: &str = "pose";
 
@@ -30,7 +33,7 @@ pub struct FoundTrial {
 /// A folder that cannot be read.
 pub fn find(root: &Path) -> Result<Vec<FoundTrial>, Error> {
     let mut found = vec![];
-    search(root, Path::new(""), &mut found)?;
+    search(root, Path::new(""), &mut vec![], &mut found)?;
     found.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(found)
 }
@@ -41,17 +44,20 @@ fn is_passed_over(name: &str) -> bool {
     is_input || name.starts_with('.') || matches!(name, "sinew-out" | "images" | "silhouettes" | "videos")
 }
 
-fn search(root: &Path, below: &Path, found: &mut Vec<FoundTrial>) -> Result<(), Error> {
+/// Adds the trials in and below a folder; `above` are the folders that lead to it, links resolved.
+fn search(root: &Path, below: &Path, above: &mut Vec<PathBuf>, found: &mut Vec<FoundTrial>) -> Result<(), Error> {
     let folder = root.join(below);
     let failed = |error| sinew::Error::io("read", &folder)(error);
+    let own = folder.canonicalize().map_err(failed)?;
     let mut folders = vec![];
     for entry in fs::read_dir(&folder).map_err(failed)? {
         let entry = entry.map_err(failed)?;
-        if entry.file_type().map_err(failed)?.is_dir() {
+        let kind = entry.file_type().map_err(failed)?;
+        if kind.is_dir() || (kind.is_symlink() && leads_elsewhere(&entry.path(), &own, above)) {
             folders.push(entry.file_name());
         }
     }
-    let is_output = ["summary.json", super::TASKS].iter().any(|name| folder.join(name).is_file());
+    let is_output = ["summary.json", TASKS].iter().any(|name| folder.join(name).is_file());
     if is_output {
         return Ok(());
     }
@@ -63,12 +69,21 @@ fn search(root: &Path, below: &Path, found: &mut Vec<FoundTrial>) -> Result<(), 
     if names_input || holds_keypoints(&folder.join(POSE)) {
         found.push(FoundTrial { name: slashed(below), has_file: names_input });
     }
+    above.push(own);
     for name in folders {
         if !is_passed_over(&name.to_string_lossy()) {
-            search(root, &below.join(name), found)?;
+            search(root, &below.join(name), above, found)?;
         }
     }
+    above.pop();
     Ok(())
+}
+
+/// Whether a link leads to a folder outside the root, which is the first of those above, that is not on the way to it: what lies inside would be found twice.
+fn leads_elsewhere(link: &Path, own: &Path, above: &[PathBuf]) -> bool {
+    let is_new = |target: &Path| target != own && above.iter().all(|folder| folder != target);
+    let root = above.first().map_or(own, PathBuf::as_path);
+    link.canonicalize().is_ok_and(|target| target.is_dir() && !target.starts_with(root) && is_new(&target))
 }
 
 /// A path below the root with `/` between its parts.
@@ -154,6 +169,23 @@ mod tests {
         assert_eq!(settings(0).calibration, Some(root.join("Calib.toml")));
         assert_eq!(settings(0).keypoints, Some(root.join("S1/jump/pose")));
         assert_eq!(settings(2).keypoints, Some(root.join("S2/walk/points")));
+    }
+
+    /// Links to what lies in the root would give trials twice, links to folders above would not end.
+    #[cfg(unix)]
+    #[test]
+    fn links_lead_to_trials_elsewhere() {
+        use std::os::unix::fs::symlink;
+        let [root, elsewhere] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+        let (root, elsewhere) = (root.path(), elsewhere.path());
+        write(elsewhere, "walk/pose/cam1_json/cam1_0.json", "{}");
+        symlink(elsewhere, elsewhere.join("walk/again")).unwrap();
+        write(root, "own/pose/cam1_json/cam1_0.json", "{}");
+        symlink(root, root.join("own/above")).unwrap();
+        symlink(root.join("own"), root.join("twice")).unwrap();
+        symlink(elsewhere, root.join("disk")).unwrap();
+        let names: Vec<String> = find(root).unwrap().into_iter().map(|trial| trial.name).collect();
+        assert_eq!(names, ["disk/walk", "own"]);
     }
 
     #[test]

@@ -7,7 +7,8 @@ use super::format::Format;
 use super::read::is_length;
 use sinew_formats::bvh::{self, Bvh, Channel};
 use sinew_formats::tidy_csv::{self, Cell};
-use sinew_formats::{gltf, mot, point_table, trc};
+use sinew_formats::{mot, point_table, trc};
+use sinew_motion::gltf;
 use std::io;
 
 /// The motion as a file of the given format; `file_name` stands in the header of TRC files.

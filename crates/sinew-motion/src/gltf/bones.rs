@@ -1,6 +1,6 @@
 //! Bones as octahedra, as programs for animation draw them: pointed at both ends, thickest near their beginning.
 
-use crate::bvh::BvhJoint;
+use sinew_formats::bvh::BvhJoint;
 
 /// Where along a bone it is thickest, and half its thickness there, in lengths of the bone.
 const THICKEST: f64 = 0.15;

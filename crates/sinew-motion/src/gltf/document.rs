@@ -1,15 +1,14 @@
 //! The document of a glTF file and the bytes that it points into.
 
 use super::bones;
-use super::invalid;
-use crate::bvh::{self, Bvh, local_transform};
-use crate::rotation::to_quaternion;
 use gltf_json::accessor::{ComponentType, GenericComponentType, Type};
 use gltf_json::animation::{Channel, Interpolation, Property, Sampler, Target};
 use gltf_json::buffer::{Target as Purpose, View};
 use gltf_json::mesh::{Mode, Primitive, Semantic};
 use gltf_json::validation::Checked::Valid;
 use gltf_json::{Accessor, Animation, Asset, Buffer, Index, Mesh, Node, Root, Scene, Skin};
+use sinew_formats::bvh::{self, Bvh, local_transform};
+use sinew_formats::rotation::to_quaternion;
 use std::io;
 
 /// A document and its only buffer.
@@ -209,6 +208,11 @@ impl Document {
             extras: Default::default(),
         })
     }
+}
+
+/// What the format cannot hold.
+pub(super) fn invalid(what: &str) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidInput, what)
 }
 
 /// Of the two quaternions of a rotation, the one nearer to that before: programs interpolate from one to the next.

@@ -1,9 +1,9 @@
 //! What is written, as another reader of the format understands it.
 
 use super::*;
-use crate::bvh::{BvhJoint, Channel, forward_kinematics};
 use gltf::animation::util::ReadOutputs;
 use gltf::mesh::util::{ReadJoints, ReadWeights};
+use sinew_formats::bvh::{BvhJoint, Channel, forward_kinematics};
 use std::collections::BTreeMap;
 
 /// A trunk that walks and turns, with an arm and a leg, and a second root.
@@ -44,10 +44,10 @@ fn globals(file: &gltf::Gltf, frame: usize) -> BTreeMap<String, Affine> {
     }
     for channel in file.animations().next().unwrap().channels() {
         let reader = channel.reader(|_| file.blob.as_deref());
-        let of_node = own.get_mut(&channel.target().node().index()).unwrap();
+        let local = own.get_mut(&channel.target().node().index()).unwrap();
         match reader.read_outputs().unwrap() {
-            ReadOutputs::Rotations(values) => of_node.1 = values.into_f32().nth(frame).unwrap(),
-            ReadOutputs::Translations(mut values) => of_node.0 = values.nth(frame).unwrap(),
+            ReadOutputs::Rotations(values) => local.1 = values.into_f32().nth(frame).unwrap(),
+            ReadOutputs::Translations(mut values) => local.0 = values.nth(frame).unwrap(),
             _ => panic!("neither turned nor moved"),
         }
     }
@@ -57,8 +57,8 @@ fn globals(file: &gltf::Gltf, frame: usize) -> BTreeMap<String, Affine> {
         file.scenes().next().unwrap().nodes().map(|node| (node, identity)).collect();
     while let Some((node, parent)) = open.pop() {
         let (translation, rotation) = own[&node.index()];
-        let local = gltf::scene::Transform::Decomposed { translation, rotation, scale: [1.0; 3] }.matrix();
-        let global = times(parent, local);
+        let transform = gltf::scene::Transform::Decomposed { translation, rotation, scale: [1.0; 3] }.matrix();
+        let global = times(parent, transform);
         found.insert(node.name().unwrap().to_owned(), global);
         open.extend(node.children().map(|child| (child, global)));
     }

@@ -13,8 +13,8 @@
 mod bones;
 mod document;
 
-use crate::bvh::Bvh;
-use document::Document;
+use document::{Document, invalid};
+use sinew_formats::bvh::Bvh;
 use std::io::{self, Write};
 
 /// Writes a whole file.
@@ -68,10 +68,6 @@ fn check_numbers(skeleton: &Bvh) -> io::Result<()> {
         }
     }
     Ok(())
-}
-
-fn invalid(what: &str) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidInput, what)
 }
 
 #[cfg(test)]
