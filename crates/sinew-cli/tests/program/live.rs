@@ -160,18 +160,19 @@ fn a_line_that_is_no_next_frame_is_refused_and_the_run_continues() {
     running.exchange(&trial, 2);
     let unknown = line(&trial, 3).replace("\"C4\"", "\"C9\"");
     let refused = [
-        ("{\"frame\": 3, \"cameras\": {".to_owned(), "ends inside"),
-        ("no JSON".to_owned(), "line 3"),
-        (unknown, "no calibration for `C9`"),
-        (line(&trial, 2), "frame 2 came before"),
-        (line(&trial, 1), "frame 1 came after frame 2"),
-        (line(&trial, 3).replacen("3", "99999", 1), "frame 99999 came after frame 2; at most 1800"),
-        (line(&trial, 3).replace("\"people\"", "\"persons\""), "`people` is missing"),
+        ("{\"frame\": 3, \"cameras\": {".to_owned(), None, "ends inside"),
+        ("no JSON".to_owned(), None, "line 3"),
+        (unknown, Some(3), "no calibration for `C9`"),
+        (line(&trial, 2), Some(2), "frame 2 came before"),
+        (line(&trial, 1), Some(1), "frame 1 came after frame 2"),
+        (line(&trial, 3).replacen("3", "99999", 1), Some(99999), "frame 99999 came after frame 2; at most 1800"),
+        (line(&trial, 3).replace("\"people\"", "\"persons\""), Some(3), "`people` is missing"),
     ];
-    for (line, expected) in &refused {
+    for (line, frame, expected) in &refused {
         running.send(line);
         let answer = running.answer();
         assert!(answer["refused"].as_str().unwrap().contains(expected), "{answer}");
+        assert_eq!(answer["frame"].as_u64(), *frame, "{answer}");
     }
     // An empty line is nothing; a camera may send nothing.
     running.send("");
