@@ -122,6 +122,9 @@ fn with_points(
 ) -> Result<Comparison, Error> {
     let table = motion.points().unwrap_or_default();
     rising(&table.time_s, request)?;
+    if table.frames.is_empty() {
+        return Err(refused(Unaligned::Frames(0), request).into());
+    }
     let ours = estimates::points(folder)?;
     let matches = matched(&ours.names, &table.names, mapping)?;
     enough(&matches, &table.names, "points", if request.parts.space { LEAST_POINTS } else { 1 }, request)?;

@@ -78,6 +78,11 @@ fn a_walker_is_held_against_a_laboratory() {
     );
     fs::write(trial.path("few.csv"), "time_s,RHip_x_m,RHip_y_m,RHip_z_m\n0,0,0,0\n0.1,0,0,0\n").unwrap();
     insta::assert_snapshot!("too_few", trial.printed(&trial.run(&["compare", "out", "few.csv", "--force"])));
+    let markers = fs::read_to_string(trial.path("out/markers.trc")).unwrap();
+    let head: Vec<&str> = markers.lines().take(6).collect();
+    fs::write(trial.path("no_frames.trc"), head.join("\n") + "\n").unwrap();
+    let none = trial.printed(&trial.run(&["compare", "out", "no_frames.trc", "--force"]));
+    assert!(none.contains("no_frames.trc: 0 frames of the result have a value of it beside them"), "{none}");
     assert!(trial.track(&["--force"]).status.success());
     assert!(!trial.path("out/comparison.csv").exists() && !trial.path("out/comparison.json").exists());
 }
