@@ -7,6 +7,7 @@ mod bad_keypoints;
 mod bad_settings;
 mod bad_silhouette_runs;
 mod batch;
+mod bent_limbs;
 mod calibrations;
 mod caliscope_real;
 mod checkpoint_fields;
@@ -19,7 +20,7 @@ mod gait;
 mod guide;
 mod inspect_own_files;
 mod killed_runs;
-mod knees;
+
 mod laboratory;
 mod lag;
 mod learn;

@@ -1,7 +1,22 @@
-//! Which way knees bend where keypoints show no feet.
+//! Which way knees and elbows bend after they were straight.
 
-use crate::common::Trial;
+use crate::common::{Trial, column};
 use std::fs;
+
+/// Chains that all turned an arm the wrong way while it hung straight do not come back by themselves: without a half turn this elbow bends backward by 40°.
+#[test]
+fn an_arm_that_turned_the_wrong_way_turns_back() {
+    let trial = Trial { folder: tempfile::tempdir().unwrap() };
+    let demo = trial.run(&["demo", "--seed", "3102", "-o", "out"]);
+    assert!(demo.status.success(), "{}", trial.printed(&demo));
+    let states = fs::read_to_string(trial.path("out/state.csv")).unwrap();
+    let elbows = states.lines().filter(|line| line.contains("_forearm.rx"));
+    let bends: Vec<f64> = elbows.map(|line| line.split(',').nth(5).unwrap().parse::<f64>().unwrap()).collect();
+    let least = bends.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(bends.len() == 240 && least > -20.0, "{least}°");
+    let frames = fs::read(trial.path("out/frames.csv")).unwrap();
+    assert_eq!(column(&frames, "restarted").iter().filter(|restarted| *restarted == "1").count(), 2);
+}
 
 /// Keypoints of COCO: the first 17 of BODY_25B.
 const COCO: usize = 17;
