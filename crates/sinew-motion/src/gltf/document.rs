@@ -40,9 +40,12 @@ pub(super) fn document(skeleton: &Bvh) -> io::Result<Document> {
     if !skeleton.frames.is_empty() {
         document.animation(skeleton, &joints)?;
     }
-    let byte_length = document.bytes.len().into();
-    let buffer = Buffer { byte_length, name: None, uri: None, extensions: None, extras: Default::default() };
-    document.root.push(buffer);
+    // The format has no empty buffers.
+    if !document.bytes.is_empty() {
+        let byte_length = document.bytes.len().into();
+        let buffer = Buffer { byte_length, name: None, uri: None, extensions: None, extras: Default::default() };
+        document.root.push(buffer);
+    }
     Ok(document)
 }
 

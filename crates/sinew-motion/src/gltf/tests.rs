@@ -136,6 +136,7 @@ fn a_point_moves_without_bones() {
     ball.frames.iter_mut().for_each(|row| row.truncate(6));
     let file = written(&ball);
     assert_eq!((file.meshes().len(), file.skins().len()), (0, 0));
+    assert_eq!(written(&Bvh { frames: vec![], ..ball.clone() }).buffers().len(), 0);
     assert!(near(&globals(&file, 2)["trunk"][3], forward_kinematics(&ball.joints, &ball.frames[2])[0], 1e-4));
 }
 
@@ -152,7 +153,7 @@ fn turns_take_the_short_way() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_refused() {
+fn what_the_format_cannot_hold_is_refused() {
     let still = Bvh { frames: vec![], ..skeleton() };
     assert_eq!(written(&still).animations().len(), 0);
     let refused = |skeleton: Bvh| write(&mut Vec::new(), &skeleton).unwrap_err().to_string();

@@ -158,7 +158,8 @@ pub fn unpacked(
 
 /// Name of a file in a trial's results, from its name in the archive; the trial `.` is the root of the study.
 pub(super) fn inside<'a>(trial: &str, name: &'a str) -> &'a str {
-    name.strip_prefix(trial).map_or(name, |name| name.trim_start_matches('/'))
+    let folder = if trial == "." { "./" } else { trial };
+    name.strip_prefix(folder).map_or(name, |name| name.trim_start_matches('/'))
 }
 
 /// Takes all results of a trial out of a study into a folder.
