@@ -3,6 +3,7 @@
 mod accuracy;
 mod batch;
 mod chart;
+mod checksums;
 mod coverage;
 mod filter_priors;
 mod gait;
@@ -50,6 +51,8 @@ enum Command {
     Accuracy(accuracy::Args),
     /// Measure what many trials cost beside their tracking, and simulate a cluster: the tables of docs/evidence/batch.md.
     Batch(batch::Args),
+    /// Hold results at fixed seeds against the checksums of tests/checksums.tsv, before and after a rebuilding.
+    Checksums(checksums::Args),
     /// Measure the HMC filter's priors between frames against exact filters: the tables of docs/evidence/filter-priors.md.
     FilterPriors(filter_priors::Args),
     /// Measure how well gait is read from tracked walkers: the tables of docs/evidence/gait.md.
@@ -99,6 +102,7 @@ fn main() -> ExitCode {
     match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(root, &args),
         Command::Batch(args) => batch::run(root, &args),
+        Command::Checksums(args) => checksums::run(root, &args),
         Command::FilterPriors(args) => filter_priors::run(root, &args),
         Command::Gait(args) => gait::run(root, &args),
         Command::Identifiability(args) => identifiability::run(root, &args),
