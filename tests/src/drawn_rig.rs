@@ -20,7 +20,7 @@ use sinew::observe::lasting_errors::{LastingErrors, pixels_per_metre};
 use sinew::observe::point_velocity::{reach, velocity};
 use sinew::setup::level_points::{self, LevelPoints};
 use sinew::setup::{MeasuredErrors, Setup, lasting_prior, motion_noise};
-use sinew_motion::points::Trajectories;
+use sinew_body::points::Trajectories;
 use sinew_simulate::draws::{normals, uniforms};
 use sinew_simulate::recording::{body_25b, keypoint_files};
 use sinew_simulate::ring::{Ring, around};

@@ -121,11 +121,11 @@ fn lasting(tracks: Vec<Track>, rate_hz: f64) -> Vec<Track> {
 
 /// True tracks in the order of the layout.
 fn truth(recording: &CrowdRecording) -> Vec<Track> {
-    let points = |person: &sinew_motion::points::Trajectories, frame: &Vec<[f64; 3]>| {
+    let points = |person: &sinew_body::points::Trajectories, frame: &Vec<[f64; 3]>| {
         let place = |name: &Option<String>| name.as_deref().and_then(|name| person.index(name)).map(|k| frame[k]);
         recording.layout.points.iter().map(place).collect()
     };
-    let track = |(person, away): (&sinew_motion::points::Trajectories, &Range<usize>)| {
+    let track = |(person, away): (&sinew_body::points::Trajectories, &Range<usize>)| {
         let at = |(number, frame)| (!away.contains(&number)).then(|| points(person, frame));
         person.frames.iter().enumerate().map(at).collect()
     };

@@ -12,7 +12,7 @@ use sinew::input::footage::{Footage, Init};
 use sinew::input::recording::RecordingOptions;
 use sinew::methods::Score;
 use sinew::methods::{About, AnnealedMethod, annealed, bootstrap, coarse_to_fine, hmc, hppf, partitioned};
-use sinew::results::SilhouetteOverlap;
+use sinew_results::SilhouetteOverlap;
 use sinew::setup::Setup;
 use sinew_tests::evaluation::{self, LIMB_JOINTS, Track};
 use std::ops::Range;

@@ -13,11 +13,12 @@ use sinew::input::in_memory::InMemory;
 use sinew::input::source::FrameSource;
 use sinew::observe::Camera;
 use sinew::observe::association::Person;
-use sinew::results::claim;
+use sinew_results::claim;
 use sinew::track::job;
 use sinew::track::job::{RunPhase, Watch};
-use sinew::{Error, RecordingError};
-use sinew_motion::points::Trajectories;
+use sinew::Error;
+use sinew_input::Error as InputError;
+use sinew_body::points::Trajectories;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::simulated_source::source;
 use std::collections::BTreeMap;
@@ -75,7 +76,7 @@ impl FrameSource for ToAndFro {
     fn frames(&self) -> Range<u64> {
         0..self.frames
     }
-    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, RecordingError> {
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, InputError> {
         self.walk.people(self.played(number))
     }
 }

@@ -11,7 +11,7 @@ use sinew::observe::colour_histogram::Counts;
 use sinew::observe::girth::{Sight, before_cameras, intersection_over_union, mask_overlap};
 use sinew::observe::image_likelihood::{Cues, ImageModel};
 use sinew::observe::{ObservationModel, RgbImage};
-use sinew_motion::points::points_of_states;
+use sinew_body::points::points_of_states;
 use sinew_simulate::evaluation_body::{ConvexShape, Material, MaterialSolid};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::render::RayCamera;

@@ -6,7 +6,7 @@ use crate::outcome::Outcome;
 use sinew::body::{KinematicTree, Proportions};
 use sinew::formats::{amc, asf};
 use sinew_motion::cmu;
-use sinew_motion::points::{Trajectories, points_of_states};
+use sinew_body::points::{Trajectories, points_of_states};
 use sinew_motion::retarget::retarget;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use std::path::Path;

@@ -11,7 +11,7 @@ use crate::outcome::Outcome;
 use crate::store::Store;
 use plotters::prelude::*;
 use sinew_tests::evaluation::ranks;
-use sinew_tools::validate::ObservationTally;
+use sinew_analysis::validate::ObservationTally;
 use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;

@@ -7,7 +7,7 @@ use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
 use sinew::input::source::FrameSource as _;
 use sinew::observe::Camera;
-use sinew::results::estimate::FrameEstimate;
+use sinew_results::estimate::FrameEstimate;
 use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::{self, Pipeline};
 use sinew::tracking::posterior::Posterior;

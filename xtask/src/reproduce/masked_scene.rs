@@ -19,7 +19,7 @@ use sinew::observe::image_likelihood::{Cues, ImageLikelihood, ImageModel};
 use sinew::observe::image_score::ImageScore;
 use sinew::observe::solid_body::{SolidBody, part_tree};
 use sinew_motion::follow::{NamedBody, follow};
-use sinew_motion::points::Trajectories;
+use sinew_body::points::Trajectories;
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::{Level, segmented};

@@ -266,7 +266,7 @@ mod tests {
         let library = "crates/sinew/src/run.rs";
         planted::check(check, library, "pub use sinew_simulate as simulate;", "struct A { sinew_version: u8 }");
         let simulated = "crates/sinew-simulate/src/walker.rs";
-        planted::check(check, simulated, "use sinew::results::Estimate;", "use sinew_observe::Camera;");
+        planted::check(check, simulated, "use sinew_results::Estimate;", "use sinew_observe::Camera;");
         planted::check(check, simulated, "use sinew_tracking::Tracker;", "mod sinew; use sinew_core::random::Stage;");
     }
 }

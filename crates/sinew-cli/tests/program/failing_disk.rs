@@ -6,11 +6,11 @@ use crate::common::files;
 use crate::common::synthetic::Whole;
 use sinew::angles::{AngleMarginal, Convention, JointAngles};
 use sinew::formats::calib_toml;
-use sinew::results::estimate::{Draws, FrameEstimate, PointMarginal, RunInfo, StateMarginal};
-use sinew::results::problem;
-use sinew::results::{Disk, Ending, OWN_NAMES, ResultFolder, Storage, StoredFile, Texts, claim_in};
 use sinew::track::checkpoint;
 use sinew::{Error, FileError, bodies};
+use sinew_results::estimate::{Draws, FrameEstimate, PointMarginal, RunInfo, StateMarginal};
+use sinew_results::problem;
+use sinew_results::{Disk, Ending, OWN_NAMES, ResultFolder, Storage, StoredFile, Texts, claim_in};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::sync::Arc;
@@ -167,7 +167,7 @@ fn every_failure_is_reported_and_nothing_false_is_left() {
             && !folder.join("load.py").exists()
             && !folder.join("setup.toml").exists()
         {
-            assert!(sinew::results::claim(&folder, &[], false).is_ok(), "{steps}");
+            assert!(sinew_results::claim(&folder, &[], false).is_ok(), "{steps}");
         }
     }
 }

@@ -3,9 +3,9 @@
 use crate::common::column;
 use crate::common::synthetic::{FRAMES, Whole, results};
 use sinew::input::upright::{FramesRead, Upright};
-use sinew::results::problem;
-use sinew::results::problem::Problem;
 use sinew::track::checkpoint::{self, Checkpoint};
+use sinew_results::problem;
+use sinew_results::problem::Problem;
 use std::fs;
 use std::path::Path;
 

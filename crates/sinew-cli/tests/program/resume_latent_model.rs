@@ -2,11 +2,11 @@
 
 use crate::common::synthetic::Whole;
 use crate::common::walks::one_walk;
-use sinew::results::problem::Problem;
 use sinew::track::checkpoint;
 use sinew_latent::file::LatentKind;
 use sinew_motion::follow::NamedBody;
-use sinew_tools::learn::latent::{LatentRequest, LatentWatch, learn};
+use sinew_motion::learn::latent::{LatentRequest, LatentWatch, learn};
+use sinew_results::problem::Problem;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 

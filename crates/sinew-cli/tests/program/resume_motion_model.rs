@@ -2,11 +2,11 @@
 
 use crate::common::synthetic::{Whole, results};
 use crate::common::walks::one_walk;
-use sinew::results::claim;
-use sinew::results::problem::Problem;
 use sinew::track::checkpoint;
 use sinew_motion::follow::NamedBody;
-use sinew_tools::learn::primitives::{LearnRequest, LearnWatch, learn};
+use sinew_motion::learn::primitives::{LearnRequest, LearnWatch, learn};
+use sinew_results::claim;
+use sinew_results::problem::Problem;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;

@@ -7,7 +7,6 @@ use crate::Error;
 use crate::config::settings::Settings;
 use crate::input::frame::FrameImages;
 use crate::methods::BoundImages;
-use crate::results::problem::{Problem, check_length};
 use crate::setup::MeasuredColours;
 use serde::{Deserialize, Serialize};
 use sinew_body::KinematicTree;
@@ -21,7 +20,8 @@ use sinew_observe::image_score::precision_and_recall;
 use sinew_observe::soft_silhouette::SoftSilhouetteModel;
 use sinew_observe::solid_body::{SolidBody, part_tree};
 use sinew_observe::{Camera, ObservationModel, WorkingRaster};
-use sinew_recording::silhouette_overlap::SilhouetteOverlap;
+use sinew_results::problem::{Problem, check_length};
+use sinew_setup::silhouette_overlap::SilhouetteOverlap;
 use std::sync::Arc;
 
 /// What the image side remembers from frame to frame.

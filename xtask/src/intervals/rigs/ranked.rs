@@ -9,9 +9,9 @@ use crate::program::Program;
 use serde_json::{Map, Value, json};
 use sinew::observe::camera_error::PRINCIPAL_POINT;
 use sinew::setup::{MeasuredErrors, Setup};
-use sinew_motion::points::points_of_states;
+use sinew_body::points::points_of_states;
 use sinew_tests::drawn_rig::{FRAMES, RATE_HZ, Rig, USED, truth};
-use sinew_tools::predict::predict;
+use sinew::predict::predict;
 use std::ops::Range;
 use std::path::Path;
 

@@ -15,7 +15,7 @@ use sinew::files::fnv;
 use sinew::formats::{amc, asf};
 use sinew::observe::{MarkerModel, MarkerView};
 use sinew_motion::cmu;
-use sinew_motion::points::Trajectories;
+use sinew_body::points::Trajectories;
 use sinew_motion::retarget;
 use std::path::Path;
 use std::sync::Arc;

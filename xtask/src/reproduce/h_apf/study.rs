@@ -14,7 +14,7 @@ use crate::store::{Store, Task, run_all};
 use sinew::core::lanes::Isa;
 use sinew::files::{FNV_START, fnv};
 use sinew_motion::follow::NamedBody;
-use sinew_motion::points::Trajectories;
+use sinew_body::points::Trajectories;
 use sinew_simulate::combo::{Phase, comfortable_radius_m};
 use sinew_tests::recorded_motion::recorded_combo;
 use std::collections::{BTreeMap, BTreeSet};

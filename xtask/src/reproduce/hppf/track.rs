@@ -24,7 +24,7 @@ use sinew::samplers::annealed_search;
 use sinew::samplers::levels::Selection;
 use sinew::samplers::resample::Truncation;
 use sinew::tracking::{Tracker, annealed, bootstrap, hppf, partitioned};
-use sinew_motion::points::{Trajectories, points_of_states};
+use sinew_body::points::{Trajectories, points_of_states};
 
 /// First coordinate that is an angle.
 const FIRST_ANGLE: usize = 3;
