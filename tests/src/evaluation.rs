@@ -39,7 +39,7 @@ use sinew::formats::Layout;
 use sinew::input::source::FrameSource;
 use sinew::observe::association::Person;
 use sinew::observe::{Camera, offsets};
-use sinew_results::SilhouetteOverlap;
+use sinew_setup::silhouette_overlap::SilhouetteOverlap;
 use sinew_results::estimate::FrameEstimate;
 use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::{self, Doubt, Pipeline, Spool};

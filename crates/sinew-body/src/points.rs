@@ -85,8 +85,8 @@ pub fn mean_distance(a: &Trajectories, b: &Trajectories) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_body::Proportions;
-    use sinew_body::standard::h32;
+    use crate::Proportions;
+    use crate::standard::h32;
 
     #[test]
     fn points_are_found_by_name_and_bounded() {

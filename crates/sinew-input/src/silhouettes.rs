@@ -20,7 +20,7 @@
 //!     let (people, masks) = (recording.frame(number)?, silhouettes.frame(number)?);
 //!     assert_eq!(people.len(), masks.len());
 //! }
-//! # Ok::<(), sinew_recording::Error>(())
+//! # Ok::<(), sinew_input::Error>(())
 //! ```
 
 use crate::Error;

@@ -137,7 +137,7 @@ mod tests {
     fn a_motion_without_hips_is_refused() {
         for body in bodies() {
             let found = states(&body, &Trajectories::default(), &MotionFollowing::default());
-            assert_eq!(found, Err(FollowError::NoPoint("MidHip".into())));
+            assert_eq!(found, Err(FollowError::Body(sinew_body::Error::NoPoint("MidHip".into()))));
         }
     }
 }

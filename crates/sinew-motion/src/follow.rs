@@ -201,7 +201,7 @@ mod tests {
         motion.names[10] = "elsewhere".into();
         for body in NamedBody::ALL {
             assert!(
-                matches!(follow(body, &motion), Err(FollowError::NoPoint(joint)) if joint == EVALUATION_JOINTS[10])
+                matches!(follow(body, &motion), Err(FollowError::Body(sinew_body::Error::NoPoint(joint))) if joint == EVALUATION_JOINTS[10])
             );
         }
     }

@@ -68,7 +68,7 @@ mod tests {
     fn a_motion_without_points_or_frames_is_refused() {
         assert_eq!(
             scale(&Trajectories::default(), &SEGMENTS, Scale::Medians),
-            Err(FollowError::NoPoint("LShoulder".into()))
+            Err(FollowError::Body(sinew_body::Error::NoPoint("LShoulder".into())))
         );
         let named = Trajectories { names: vec!["LShoulder".into(), "LElbow".into()], frames: vec![] };
         assert_eq!(scale(&named, &SEGMENTS[..1], Scale::Medians), Err(FollowError::NoFrames));

@@ -9,7 +9,7 @@ use sinew_motion::learn::primitives::{LearnRequest, LearnWatch, LearnedPrimitive
 use sinew_motion::learn::sequences::{Acclaim, sequences};
 use sinew_simulate::recording::write_trc;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
-use sinew_tools::Error;
+use sinew_motion::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -129,7 +129,7 @@ fn outputs_and_recordings_that_are_unfit_are_refused() {
     assert!(message(&request, &request.files.motion[0]).contains("is also the input"));
     let other = folder.path().join("other.json");
     fs::write(&other, "mine").unwrap();
-    assert!(matches!(run(&request, &other, 99), Err(Error::Library(sinew::Error::OutputExists { .. }))));
+    assert!(matches!(run(&request, &other, 99), Err(Error::Results(sinew_results::Error::OutputExists { .. }))));
     assert_eq!(fs::read_to_string(&other).unwrap(), "mine");
 
     let text = fs::read_to_string(&request.files.motion[1]).unwrap();

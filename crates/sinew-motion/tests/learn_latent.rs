@@ -7,7 +7,7 @@ use sinew_motion::learn::latent::{LatentRequest, LatentWatch, LearnedLatent, lea
 use sinew_motion::learn::motion_files::{LearnPhase, MotionFiles};
 use sinew_simulate::recording::write_trc;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
-use sinew_tools::Error;
+use sinew_motion::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};

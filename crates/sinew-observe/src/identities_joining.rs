@@ -36,7 +36,7 @@ const AREA_M2: f64 = 25.0;
 /// Seconds that a stay has at least to be joined, and frames.
 const LEAST_S: f64 = 0.25;
 const LEAST_FRAMES: f64 = 5.0;
-/// Log odds from which a name is given again, some 9 to 2. Chosen on simulated crowds 1 to 60 (`cargo xtask people`).
+/// Log odds from which a name is given again, some 9 to 2. Chosen on simulated crowds 1 to 60 (`cargo xtask study people`).
 pub const LEAST_LOG_ODDS: f64 = 1.5;
 
 /// What was seen of somebody without a break.

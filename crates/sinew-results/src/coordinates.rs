@@ -51,7 +51,7 @@ impl Coordinates {
 
 #[cfg(test)]
 mod tests {
-    use crate::pose;
+    use sinew_setup::posed_body::pose;
     use sinew_angles::{Convention, JointAngles};
     use sinew_body::{Proportions, standard};
     use sinew_formats::rotation::{Matrix, product, transpose};

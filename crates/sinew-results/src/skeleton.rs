@@ -52,7 +52,7 @@ impl SkeletonFile {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::pose;
+    use sinew_setup::posed_body::pose;
     use sinew_body::KinematicTree;
     use sinew_body::{Proportions, standard};
 

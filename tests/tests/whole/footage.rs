@@ -79,7 +79,7 @@ fn recorded_people_are_in_all_views() {
 fn a_skeleton_of_others_has_the_same_legs() {
     let Some(folder) = sinew_tests::data::shared("cmu_amc") else { return };
     let bvh = folder.with_file_name("cmu_bvh").join("01_01.bvh");
-    let bvh = motion::read(&bvh, None, None).unwrap();
+    let bvh = convert::read(&bvh, None, None).unwrap();
     let (bvh, unit) = from_points(&bvh.points().unwrap(), bvh.rate_hz, false, 120.0).unwrap();
     assert_eq!(unit, Some("CMU's unit"));
     let amc = recorded(&folder.join("01_01.amc"), &folder.join("01.asf"), 120.0).unwrap();

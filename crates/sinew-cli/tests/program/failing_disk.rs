@@ -155,7 +155,8 @@ fn every_failure_is_reported_and_nothing_false_is_left() {
     for steps in (0..needed).filter(few) {
         let folder = root.path().join(format!("{steps}"));
         match write(&folder, steps) {
-            Err(Error::Io(FileError { path, source, .. })) => {
+            Err(error) if error.file().is_some() => {
+                let FileError { path, source, .. } = error.file().unwrap();
                 assert!(path.starts_with(&folder), "{steps}: {}", path.display());
                 assert_eq!(source.to_string(), "injected", "{steps}");
             }
@@ -192,7 +193,8 @@ fn a_run_resumes_when_there_is_room_again() {
         let _ = std::fs::remove_dir_all(&out);
         match run(steps) {
             Ok(_) => continue,
-            Err(Error::Io(FileError { path, source, .. })) => {
+            Err(error) if error.file().is_some() => {
+                let FileError { path, source, .. } = error.file().unwrap();
                 assert!(path.starts_with(&out), "{steps}: {}", path.display());
                 assert_eq!(source.to_string(), "injected", "{steps}");
             }

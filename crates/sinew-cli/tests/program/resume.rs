@@ -129,7 +129,7 @@ fn a_changed_or_missing_chunk_is_refused() {
         let from = checkpoint::read(&out).unwrap();
         assert_eq!(from.done, 130);
         match whole.run(&out, 1, None, Some(from)) {
-            Err(sinew::Error::Checkpoint { problem, .. }) => {
+            Err(sinew::Error::Results(sinew_results::Error::Checkpoint { problem, .. })) => {
                 assert_eq!(*problem, Problem::Changed { path: path.to_owned() });
             }
             other => panic!("{}: {other:?}", path.display()),

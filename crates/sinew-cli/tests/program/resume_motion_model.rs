@@ -90,7 +90,7 @@ fn a_run_with_another_model_is_not_resumed() {
     whole.run(&out, 1, Some(4), None).unwrap();
     model(folder.path(), NamedBody::H32, 2);
     match whole.run(&out, 1, None, Some(checkpoint::read(&out).unwrap())) {
-        Err(sinew::Error::Checkpoint { problem, .. }) => {
+        Err(sinew::Error::Results(sinew_results::Error::Checkpoint { problem, .. })) => {
             let words = problem.to_string();
             assert!(!matches!(*problem, Problem::Settings(_)) && words.contains("motion_model"), "{words}");
         }

@@ -1,7 +1,7 @@
 //! Recorded walks on disk, and the program that learns from them.
 
 use super::Trial;
-use sinew_body::points::points_of_states;
+use sinew::body::points::points_of_states;
 use sinew_motion::follow::NamedBody;
 use sinew_motion::learn::motion_files::MotionFiles;
 use sinew_simulate::recording::write_trc;
