@@ -38,7 +38,7 @@ use sinew::config::settings::Settings;
 use sinew::formats::Layout;
 use sinew::input::source::FrameSource;
 use sinew::observe::association::Person;
-use sinew::observe::{Camera, offsets};
+use sinew::observe::{Camera, cameras::offsets};
 use sinew_setup::silhouette_overlap::SilhouetteOverlap;
 use sinew_results::estimate::FrameEstimate;
 use sinew::setup::{self, Setup, SetupRequest};

@@ -4,8 +4,8 @@
 //!
 //! For each camera, one image in memory at a time:
 //!
-//! 1. mean and variance of every pixel over the images of the background ([`sinew_observe::background`]);
-//! 2. for each image, the pixels that are far from it, cleaned by a median of 3 x 3 and by leaving small parts out ([`sinew_observe::cleaning`]);
+//! 1. mean and variance of every pixel over the images of the background ([`sinew_observe::silhouettes::background`]);
+//! 2. for each image, the pixels that are far from it, cleaned by a median of 3 x 3 and by leaving small parts out ([`sinew_observe::silhouettes::cleaning`]);
 //! 3. a mask `<out>/<camera>/<frame>.png`, which gets its name when it is whole.
 //!
 //! Folders of images are laid out as in [`sinew::input::pictures`]; cameras are matched by name.
@@ -23,9 +23,9 @@ use sinew::input::silhouettes::{Count, LARGE_SHARE};
 use sinew_formats::{camera_name, mask, picture};
 use sinew_input::Error as InputError;
 use sinew_observe::RgbImage;
-use sinew_observe::background::{Background, Config};
-use sinew_observe::bit_image::BitImage;
-use sinew_observe::cleaning::{large_parts, median};
+use sinew_observe::silhouettes::background::{Background, Config};
+use sinew_observe::silhouettes::bit_image::BitImage;
+use sinew_observe::silhouettes::cleaning::{large_parts, median};
 use sinew_results::claim;
 use std::fs;
 use std::path::{Path, PathBuf};

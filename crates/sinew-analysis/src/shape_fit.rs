@@ -19,8 +19,8 @@ use sinew::input::silhouettes::{self, Silhouettes};
 use sinew_body::KinematicTree;
 use sinew_body::flesh::{Flesh, Solid};
 use sinew_formats::body_toml;
-use sinew_observe::bit_image::Overlap;
-use sinew_observe::girth::{Sight, before_cameras, mask_overlap};
+use sinew_observe::silhouettes::bit_image::Overlap;
+use sinew_observe::silhouettes::girth::{Sight, before_cameras, mask_overlap};
 use sinew_observe::golden_section::golden_section;
 use sinew_observe::{Camera, WorkingRaster};
 use sinew_results;
@@ -253,7 +253,7 @@ mod tests {
     use super::*;
     use sinew_body::points::points_of_states;
     use sinew_body::standard_flesh::standard_flesh;
-    use sinew_observe::bit_image::BitImage;
+    use sinew_observe::silhouettes::bit_image::BitImage;
     use sinew_simulate::ring::{Ring, around};
     use sinew_simulate::walker::{Gait, Walker, walker_states};
 

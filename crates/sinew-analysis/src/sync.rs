@@ -1,8 +1,8 @@
 //! How late the cameras of a recording are against each other, from how people move.
 //!
-//! 1. Whole frames, however many, from where rays meet ([`sinew_observe::clock_search`]), in the first `SEARCHED` frames.
+//! 1. Whole frames, however many, from where rays meet ([`sinew_observe::clocks::clock_search`]), in the first `SEARCHED` frames.
 //! 2. The recording is read with them, `WINDOWS` windows of it, evenly spread, and everybody is followed in each.
-//! 3. Fractions of a frame and drifts from their motion ([`sinew_observe::camera_lag`]). Where a whole frame is left, 2 and 3 are done again.
+//! 3. Fractions of a frame and drifts from their motion ([`sinew_observe::clocks::camera_lag`]). Where a whole frame is left, 2 and 3 are done again.
 //!
 //! Two or three views of a person who walks straight ahead say little of whole lags: 2 and 3 are done from no lags at all, too, and what brings the cameras nearer together is taken.
 
@@ -15,10 +15,10 @@ use sinew::input::recording::{Recording, RecordingOptions, lag_of};
 use sinew::input::roll::Roll;
 use sinew::observe::Camera;
 use sinew::observe::association::{self, Person};
-use sinew::observe::camera_lag::{CameraClock, CameraLag, LagSearch, camera_clocks};
-use sinew::observe::clock_search::whole_lags;
-use sinew::observe::following::{Following, follow};
-use sinew::observe::offsets::{self, Sighted};
+use sinew::observe::clocks::camera_lag::{CameraClock, CameraLag, LagSearch, camera_clocks};
+use sinew::observe::clocks::clock_search::whole_lags;
+use sinew::observe::association::following::{Following, follow};
+use sinew::observe::cameras::offsets::{self, Sighted};
 use sinew::setup::SetupError;
 use std::ops::Range;
 use std::path::Path;

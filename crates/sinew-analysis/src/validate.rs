@@ -8,7 +8,7 @@
 use sinew::predict::{CameraPrediction, Predicted};
 use sinew_formats::svg::{Anchor, Svg};
 use sinew_observe::association::Person;
-use sinew_observe::offsets::median;
+use sinew_observe::cameras::offsets::median;
 use std::fmt::Write as _;
 
 /// Detections of lower confidence are not compared.

@@ -6,7 +6,7 @@ use super::error::{Error, Written};
 use super::progress::Progress;
 use super::report::{self, Report};
 use serde_json::json;
-use sinew::observe::background::Config;
+use sinew::observe::silhouettes::background::Config;
 use sinew_analysis::segment::{SegmentRequest, segment};
 use std::path::Path;
 

@@ -16,7 +16,7 @@ use crate::{Error, files};
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::{Layout, layout, trc};
 use sinew_observe::association::Person;
-use sinew_observe::bit_image::BitImage;
+use sinew_observe::silhouettes::bit_image::BitImage;
 use sinew_observe::{Camera, Detection, RgbImage};
 use std::collections::BTreeMap;
 use std::ops::Range;

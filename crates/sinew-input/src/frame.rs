@@ -2,7 +2,7 @@
 
 use sinew_formats::openpose::{Keypoint, OpenposePerson};
 use sinew_observe::association::Person as Pixels;
-use sinew_observe::bit_image::BitImage;
+use sinew_observe::silhouettes::bit_image::BitImage;
 use sinew_observe::{Detection, RgbImage};
 
 /// A frame as it is read: once, and whole.

@@ -1,13 +1,13 @@
 //! Who was seen where, when, and for how long: everybody of a recording, before anybody is tracked.
 //!
-//! People count who are seen by at least two cameras for a quarter of a second in all ([`LEAST_S`]); they are numbered in the order of coming. [`sinew_observe::identities`] names them.
+//! People count who are seen by at least two cameras for a quarter of a second in all ([`LEAST_S`]); they are numbered in the order of coming. [`sinew_observe::association::identities`] names them.
 
 use super::limbs::paired_limbs;
 use super::source::FrameSource;
 use crate::Error;
 use sinew_observe::Camera;
 use sinew_observe::association::{Config, Person};
-use sinew_observe::identities::Identities;
+use sinew_observe::association::identities::Identities;
 use std::ops::Range;
 
 /// Seconds for which two cameras must see somebody.

@@ -27,7 +27,7 @@ use crate::Error;
 use crate::image_folder::{ImageFolder, Kind};
 use sinew_formats::mask::{self, Mask};
 use sinew_observe::Camera;
-use sinew_observe::bit_image::BitImage;
+use sinew_observe::silhouettes::bit_image::BitImage;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 

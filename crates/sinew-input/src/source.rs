@@ -5,7 +5,7 @@ use super::recording::Recording;
 use crate::Error;
 use sinew_formats::Layout;
 use sinew_observe::association::Person;
-use sinew_observe::bit_image::BitImage;
+use sinew_observe::silhouettes::bit_image::BitImage;
 use sinew_observe::{Camera, RgbImage};
 use std::ops::Range;
 

@@ -7,7 +7,7 @@ use crate::Error;
 use serde::{Deserialize, Serialize};
 use sinew_formats::Layout;
 use sinew_observe::association::Person;
-use sinew_observe::bit_image::BitImage;
+use sinew_observe::silhouettes::bit_image::BitImage;
 use sinew_observe::{Camera, RgbImage};
 use std::collections::BTreeSet;
 use std::ops::Range;

@@ -19,10 +19,10 @@ use sinew::input::pictures::Pictures;
 use sinew::input::silhouettes::Silhouettes;
 use sinew_core::lanes::Isa;
 use sinew_formats::picture;
-use sinew_observe::bit_image::BitImage;
-use sinew_observe::image_likelihood::ImageModel;
-use sinew_observe::image_score::ImageScore;
-use sinew_observe::solid_body::SolidBody;
+use sinew_observe::silhouettes::bit_image::BitImage;
+use sinew_observe::silhouettes::image_likelihood::ImageModel;
+use sinew_observe::silhouettes::image_score::ImageScore;
+use sinew_observe::silhouettes::solid_body::SolidBody;
 use sinew_observe::{Camera, Lens, RgbImage};
 use sinew_results::claim;
 use sinew_results::tracked::{self, Tracked};
@@ -406,7 +406,7 @@ fn write(path: &Path, image: &RgbImage) -> Result<(), sinew::Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_observe::lens::Brown;
+    use sinew_observe::cameras::lens::Brown;
 
     #[test]
     fn sides_follow_from_names() {

@@ -6,8 +6,8 @@
 //! triangulation is small for the right reading and large for others; readings other than the given one are tried only where that is large.
 
 use super::setup_error::SetupError;
-use sinew_observe::offsets::{Sighted, median};
-use sinew_observe::triangulate::{Seen, linear};
+use sinew_observe::cameras::offsets::{Sighted, median};
+use sinew_observe::cameras::triangulate::{Seen, linear};
 use sinew_observe::{Camera, Detection};
 
 /// Residual, per 1000 px of image diagonal, up to which nothing is looked for.
@@ -119,7 +119,7 @@ pub(super) fn residual(cameras: &[Camera], frames: &[Sighted], scale: f64) -> Op
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_observe::camera_error::{NUMBERS, with_error};
+    use sinew_observe::cameras::camera_error::{NUMBERS, with_error};
 
     /// Two cameras a right angle apart, the second of which is turned about its axes, and what they see of a person in images that are `scale` times as large.
     fn seen(turn: [f64; 3], scale: f64) -> (Vec<Camera>, Vec<Sighted>) {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use sinew_body::flesh::Flesh;
 use sinew_observe::Camera;
-use sinew_observe::colour_histogram::{Counts, LEVELS, Reference};
+use sinew_observe::silhouettes::colour_histogram::{Counts, LEVELS, Reference};
 
 /// Version of the table.
 pub const VERSION: u32 = 1;

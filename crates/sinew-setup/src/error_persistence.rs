@@ -1,7 +1,7 @@
 //! How long errors of keypoints last, from the residuals of frames.
 
 use super::lasting_errors::LASTING_SHARE;
-use sinew_observe::lasting_errors::{FrameResidual, LinearisedFrame};
+use sinew_observe::lasting::lasting_errors::{FrameResidual, LinearisedFrame};
 
 /// Correlation of the residuals of successive frames, bias taken off, and how many pairs it is of.
 pub(super) fn correlation(frames: &[LinearisedFrame], cameras: usize, points: usize) -> (f64, f64) {

@@ -4,7 +4,7 @@ use super::pose_fit::pose_of;
 use super::stored::Setup;
 use crate::Error;
 use sinew_input::source::FrameSource;
-use sinew_observe::following::{Following, follow};
+use sinew_observe::association::following::{Following, follow};
 use sinew_observe::{Camera, WorkingRaster, association};
 use std::collections::BTreeMap;
 use std::ops::Range;

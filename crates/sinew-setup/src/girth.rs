@@ -1,7 +1,7 @@
 //! Girths of the subject, as the set-up stores them.
 
 use serde::{Deserialize, Serialize};
-use sinew_observe::girth::Girth;
+use sinew_observe::silhouettes::girth::Girth;
 
 /// Factors on the radii of the usual body, with what they make of masks that were held out.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

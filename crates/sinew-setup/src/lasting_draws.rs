@@ -4,7 +4,7 @@ use super::lasting_errors::MeasuredErrors;
 use super::stored::Setup;
 use sinew_body::KinematicTree;
 use sinew_observe::Camera;
-use sinew_observe::lasting_errors::{LastingErrors, common_shift};
+use sinew_observe::lasting::lasting_errors::{LastingErrors, common_shift};
 use std::ops::Range;
 
 /// The shift of the world that each draw of the cameras looks like at the middle of the set-up's frames; 0 where fewer than two see it.

@@ -9,8 +9,8 @@ use serde::{Deserialize, Serialize};
 use sinew_body::point_derivatives::length_names;
 use sinew_dynamics::persistent_errors::Persistence;
 use sinew_observe::Camera;
-use sinew_observe::camera_error::NUMBERS;
-use sinew_observe::lasting_errors::{LastingErrors, pixels_per_metre};
+use sinew_observe::cameras::camera_error::NUMBERS;
+use sinew_observe::lasting::lasting_errors::{LastingErrors, pixels_per_metre};
 
 /// Share of the variance of a detector's error that persists from frame to frame (0.93 · exp(−lag/τ) fits residuals of four cameras at 60 frames a second; the rest is white).
 pub const LASTING_SHARE: f64 = 0.93;

@@ -2,7 +2,7 @@
 
 use super::lasting_errors::{DrawnNumber, MeasuredErrors};
 use super::lasting_prior::{HEAVY, KIND_SCALES, LAG_SCALE, SCALES, kind, place_scale};
-use sinew_observe::offsets::median;
+use sinew_observe::cameras::offsets::median;
 
 /// A constant number: its posterior and its prior.
 #[derive(Clone, Copy, Debug, PartialEq)]

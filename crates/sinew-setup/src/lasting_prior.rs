@@ -12,10 +12,10 @@
 use sinew_body::point_derivatives::{lengthened, lengths};
 use sinew_body::{KinematicTree, Proportions};
 use sinew_dynamics::lasting_scales::{LastingPrior, PriorCluster, ScalePrior, alike};
-use sinew_observe::camera_error::NUMBERS;
-use sinew_observe::lasting_errors::LastingErrors;
+use sinew_observe::cameras::camera_error::NUMBERS;
+use sinew_observe::lasting::lasting_errors::LastingErrors;
 
-/// Units of a camera's numbers, in the order of [`sinew_observe::camera_error`].
+/// Units of a camera's numbers, in the order of [`sinew_observe::cameras::camera_error`].
 pub const CAMERA_UNITS: [f64; NUMBERS] = [3.5e-3, 3.5e-3, 3.5e-3, 5e-3, 5e-3, 5e-3, 3e-3, 2e-3, 2e-3, 0.02];
 const LENGTH_SHARE: f64 = 0.1;
 const POINTS: ScalePrior = ScalePrior { median: 0.010, log_sd: 0.8 };

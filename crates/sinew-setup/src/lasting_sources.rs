@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sinew_body::point_derivatives::{Neighbours, PointDerivatives, lengthened};
 use sinew_body::{KinematicTree, Proportions};
 use sinew_dynamics::lasting_scales::LastingDraws;
-use sinew_observe::lasting_errors::LastingErrors;
+use sinew_observe::lasting::lasting_errors::LastingErrors;
 use std::ops::Range;
 
 /// Sources of what is constant.

@@ -5,7 +5,7 @@
 
 use sinew_body::point_derivatives::Neighbours;
 use sinew_dynamics::lasting_scales::LastingData;
-use sinew_observe::lasting_errors::LastingErrors;
+use sinew_observe::lasting::lasting_errors::LastingErrors;
 
 /// Points of which one coordinate is the same in the frame of their link.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -10,11 +10,11 @@ use sinew_body::{KinematicTree, Plan};
 use sinew_core::lanes::Isa;
 use sinew_formats::Layout;
 use sinew_input::source::FrameSource;
-use sinew_observe::bystanders::elsewhere;
-use sinew_observe::following::{Following, follow};
-use sinew_observe::offsets::{self, CameraNoise, Sighted};
-use sinew_observe::point_velocity::{keypoint_velocities, reach};
-use sinew_observe::straightened::straightened;
+use sinew_observe::keypoints::bystanders::elsewhere;
+use sinew_observe::association::following::{Following, follow};
+use sinew_observe::cameras::offsets::{self, CameraNoise, Sighted};
+use sinew_observe::clocks::point_velocity::{keypoint_velocities, reach};
+use sinew_observe::keypoints::straightened::straightened;
 use sinew_observe::{Camera, Detection, KeypointModel, Noise, association};
 use std::ops::Range;
 

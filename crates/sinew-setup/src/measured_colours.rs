@@ -1,6 +1,6 @@
 //! Colours of the subject's parts, from pictures of the first second and the poses that keypoints give there.
 //!
-//! For each camera and part the colours at the visible region points are counted, as the likelihood counts them ([`sinew_observe::colour_histogram`]), over at most twelve frames that have a picture. Husz, Wallace & Green (2007) take
+//! For each camera and part the colours at the visible region points are counted, as the likelihood counts them ([`sinew_observe::silhouettes::colour_histogram`]), over at most twelve frames that have a picture. Husz, Wallace & Green (2007) take
 //! the first frame; sparse pictures may lack it.
 
 use super::colours::{MeasuredColours, PartColours, VERSION};
@@ -10,8 +10,8 @@ use super::stored::Setup;
 use crate::Error;
 use sinew_body::flesh::Solid;
 use sinew_input::source::FrameSource;
-use sinew_observe::colour_histogram::Counts;
-use sinew_observe::girth::before_cameras;
+use sinew_observe::silhouettes::colour_histogram::Counts;
+use sinew_observe::silhouettes::girth::before_cameras;
 
 /// Counts colours; none where no picture of that second shows a part in a known pose.
 pub(super) fn measured_colours(

@@ -13,8 +13,8 @@ use super::setup_error::SetupError;
 use super::stored::Setup;
 use crate::Error;
 use sinew_input::source::FrameSource;
-use sinew_observe::girth::{Girth, Sight, before_cameras, intersection_over_union, mask_overlap};
-use sinew_observe::girth_with_pose::{fit_girth_and_poses, fit_poses};
+use sinew_observe::silhouettes::girth::{Girth, Sight, before_cameras, intersection_over_union, mask_overlap};
+use sinew_observe::silhouettes::girth_with_pose::{fit_girth_and_poses, fit_poses};
 
 /// Measures girths; none where fewer than two cameras have masks, nobody is on them or nothing is gained.
 pub(super) fn measured_girth(

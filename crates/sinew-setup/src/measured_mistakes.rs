@@ -5,7 +5,7 @@
 use super::mistake_prior::{ELSEWHERE, EXCHANGED};
 use super::stored::{CameraSetup, Setup};
 use sinew_body::KinematicTree;
-use sinew_observe::mistakes::paired_limbs;
+use sinew_observe::keypoints::mistakes::paired_limbs;
 use sinew_observe::{KeypointFrame, KeypointModel, Mistakes};
 
 /// The pairs of limbs of a body, by the places of their points among `points`.

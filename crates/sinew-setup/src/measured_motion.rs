@@ -9,7 +9,7 @@ use sinew_body::KinematicTree;
 use sinew_body::leg_turns::{leg_turns, shows_feet};
 use sinew_input::source::FrameSource;
 use sinew_observe::association;
-use sinew_observe::following::{Following, follow};
+use sinew_observe::association::following::{Following, follow};
 use std::ops::Range;
 
 /// Runs of consecutive frames from which the motion noise is measured, evenly spaced, and frames of each.

@@ -80,7 +80,7 @@ pub struct Oddities {
 }
 
 fn median(values: &mut [f64]) -> f64 {
-    sinew_observe::offsets::median(values)
+    sinew_observe::cameras::offsets::median(values)
 }
 
 /// Whether exchanging left and right brings keypoints decidedly nearer.

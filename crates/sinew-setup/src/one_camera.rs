@@ -6,7 +6,7 @@
 
 use sinew_body::{KinematicTree, Plan, point_positions};
 use sinew_core::lanes::Isa;
-use sinew_observe::pixel_fit::{PixelFit, fit_pixels};
+use sinew_observe::keypoints::pixel_fit::{PixelFit, fit_pixels};
 use sinew_observe::{Detection, View};
 
 const HEADINGS: usize = 8;

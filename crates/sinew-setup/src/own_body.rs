@@ -18,7 +18,7 @@ use sinew_body::{Axis, Joint, KinematicTree, Plan, point_positions};
 use sinew_core::lanes::Isa;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
-use sinew_observe::offsets::CameraNoise;
+use sinew_observe::cameras::offsets::CameraNoise;
 
 /// A few outliers must not bend a first pose.
 pub(super) const POSE: fit::Config = fit::Config { damping: 1e-4, huber_m: 0.05, steps: 100, tolerance: 1e-9 };

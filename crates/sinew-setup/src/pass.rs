@@ -18,7 +18,7 @@ use sinew_formats::Layout;
 use sinew_input::up_axis::Z_UP;
 use sinew_observe::Camera;
 use sinew_observe::association::Person as Pixels;
-use sinew_observe::offsets::{self, CameraNoise, Sighted};
+use sinew_observe::cameras::offsets::{self, CameraNoise, Sighted};
 
 /// Sets up the tracking of a person in calibrated cameras from the frames of an iterator (number, people of each camera), which must come in order.
 ///

@@ -12,7 +12,7 @@ use sinew_body::{KinematicTree, Plan};
 use sinew_core::density::LogDensity as _;
 use sinew_core::lanes::Isa;
 use sinew_formats::Layout;
-use sinew_observe::offsets::{self, CameraNoise, Sighted};
+use sinew_observe::cameras::offsets::{self, CameraNoise, Sighted};
 use sinew_observe::{Camera, Detection};
 
 /// Usual distance of a point in space from the body, per axis, metres.

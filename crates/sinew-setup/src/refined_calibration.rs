@@ -1,6 +1,6 @@
 //! A calibration as the set-up of a run refined it.
 //!
-//! Each camera of the set-up is moved by the posterior mean of its error ([`sinew_observe::camera_error`]). Errors hold in the frame of the camera and for images of any size, so that they are put onto the cameras of the file itself: the world stays as the file has it, also where
+//! Each camera of the set-up is moved by the posterior mean of its error ([`sinew_observe::cameras::camera_error`]). Errors hold in the frame of the camera and for images of any size, so that they are put onto the cameras of the file itself: the world stays as the file has it, also where
 //! the run turned it to z up, and images keep the calibrated size, also where those with the keypoints were resized. The common shift of all cameras, which no keypoint shows, stays in.
 //!
 //! What the file holds beside cameras is not written again.

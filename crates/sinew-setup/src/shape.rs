@@ -25,7 +25,7 @@ use sinew_body::{KinematicTree, Plan, Proportions, bundle, point_positions, subj
 use sinew_core::lanes::Isa;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
-use sinew_observe::offsets::CameraNoise;
+use sinew_observe::cameras::offsets::CameraNoise;
 
 /// What points in space show.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use sinew_core::random::Stage;
 use sinew_dynamics::lasting_scales::{HeldDraws, LastingData, SweepSchedule, draws};
 use sinew_dynamics::shared_numbers::{disagreement, together};
-use sinew_observe::camera_error::NUMBERS;
+use sinew_observe::cameras::camera_error::NUMBERS;
 
 /// What a recording says of its cameras.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,7 +18,7 @@ pub struct CameraInformation {
     pub cameras: Vec<String>,
     /// Axis or direction that points up: cameras of worlds that are turned differently are not the same.
     pub world_up: String,
-    /// Λ of their numbers, ten a camera ([`sinew_observe::camera_error`]), row after row, without a prior.
+    /// Λ of their numbers, ten a camera ([`sinew_observe::cameras::camera_error`]), row after row, without a prior.
     pub information: Vec<f64>,
     /// λ of their numbers.
     pub pull: Vec<f64>,

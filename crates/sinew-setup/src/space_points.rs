@@ -1,7 +1,7 @@
 //! Keypoints of several views as points in space.
 
 use sinew_observe::Camera;
-use sinew_observe::offsets::{CameraNoise, Sighted, point_from_views};
+use sinew_observe::cameras::offsets::{CameraNoise, Sighted, point_from_views};
 
 /// A frame's keypoints in space: for each point of the layout, position and mean variance per axis.
 pub type Points = Vec<Option<([f64; 3], f64)>>;

@@ -10,7 +10,7 @@ use super::space_points::{Points, points_in_space};
 use super::warning::SetupWarning;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
-use sinew_observe::offsets::CameraNoise;
+use sinew_observe::cameras::offsets::CameraNoise;
 
 /// Frames between two places.
 const SPAN: usize = 10;

@@ -15,7 +15,7 @@ use sinew_body::standard_flesh::standard_flesh;
 use sinew_body::{KinematicTree, Point, Proportions, hapf31, hppf24};
 use sinew_formats::body_toml;
 use sinew_input::Problems;
-use sinew_observe::camera_error::with_error;
+use sinew_observe::cameras::camera_error::with_error;
 use sinew_observe::{Camera, View};
 
 /// Version of the file's structure.

@@ -3,7 +3,7 @@
 use super::space_points::Points;
 use sinew_formats::Layout;
 use sinew_input::up_axis::AXES;
-use sinew_observe::offsets::median;
+use sinew_observe::cameras::offsets::median;
 
 const LOW: [&str; 6] = ["LAnkle", "RAnkle", "LHeel", "RHeel", "LKnee", "RKnee"];
 const HIGH: [&str; 6] = ["Head", "Nose", "Neck", "LShoulder", "RShoulder", "MidShoulder"];

@@ -16,7 +16,7 @@
 
 use super::space_points::Points;
 use sinew_formats::Layout;
-use sinew_observe::offsets::median;
+use sinew_observe::cameras::offsets::median;
 
 /// How the person showed where up is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

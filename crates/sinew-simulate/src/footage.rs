@@ -28,7 +28,7 @@ use sinew_body::points::Trajectories;
 use sinew_core::random::Stage;
 use sinew_observe::Camera;
 use sinew_observe::RgbImage;
-use sinew_observe::bit_image::BitImage;
+use sinew_observe::silhouettes::bit_image::BitImage;
 use std::sync::OnceLock;
 
 /// A motion before cameras.

@@ -1,6 +1,6 @@
 //! `cargo xtask study people`: are several people found, kept apart, and known again? The tables of docs/evidence/people.md.
 //!
-//! Crowds of [`sinew_simulate::crowd`], with their truth; beside the tracker's own association ([`sinew::observe::identities`]) the usual recipe ([`sinew_tests::evaluation::ray_association`]). Both get the same detections, and points are triangulated alike. Speeds are the program's, from files.
+//! Crowds of [`sinew_simulate::crowd`], with their truth; beside the tracker's own association ([`sinew::observe::association::identities`]) the usual recipe ([`sinew_tests::evaluation::ray_association`]). Both get the same detections, and points are triangulated alike. Speeds are the program's, from files.
 
 mod recorded;
 
@@ -12,7 +12,7 @@ use sinew::input::limbs::{limbs, paired_limbs};
 use sinew::input::roll::LEAST_S;
 use sinew::observe::Detection;
 use sinew::observe::association::{Config, Person, triangulated};
-use sinew::observe::identities::{Identities, Named};
+use sinew::observe::association::identities::{Identities, Named};
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::crowd::{Crowd, CrowdNoise, CrowdRecording};
 use sinew_simulate::crowd_absence::Absences;

@@ -12,7 +12,7 @@
 //! ```
 //!
 //! The mean over frames and keypoints counts each by the inverse of its total variance: where the camera is aside is seen in keypoints that are known well.
-//! G is the derivative of the pixel by what the camera may be off by ([`sinew_observe::camera_error`]), Σ its prior with the scale that the other cameras show, Ḡ the same mean of G; f is how far the keypoint moves in a second, from the frame before to the frame after, f̄ its mean, ℓ the size of the lag of the camera's clock, seconds; b is the size of a bias of the camera's detector for that kind of keypoint, n the scatter
+//! G is the derivative of the pixel by what the camera may be off by ([`sinew_observe::cameras::camera_error`]), Σ its prior with the scale that the other cameras show, Ḡ the same mean of G; f is how far the keypoint moves in a second, from the frame before to the frame after, f̄ its mean, ℓ the size of the lag of the camera's clock, seconds; b is the size of a bias of the camera's detector for that kind of keypoint, n the scatter
 //! of an observation of usual confidence, both as the other cameras show them, in proportion to the size of the person in the image. `common` is that of the shift that all keypoints of the camera share in all frames, `own` that of a keypoint once this shift is taken off. They add up to `total` only where a keypoint moves as all do in the mean; a camera that is turned moves those at its margins otherwise. A keypoint that lies outside the image in the mean is not predicted: pixels of points near the plane of a camera say nothing of it.
 
 pub(crate) mod error;
@@ -28,8 +28,8 @@ use rayon::prelude::*;
 use sinew_formats::camera_name;
 use sinew_formats::zarr::reader::NumberArray;
 use sinew_observe::Camera;
-use sinew_observe::camera_error::{NUMBERS, PixelDerivatives, derivatives};
-use sinew_observe::lasting_errors::pixels_per_metre;
+use sinew_observe::cameras::camera_error::{NUMBERS, PixelDerivatives, derivatives};
+use sinew_observe::lasting::lasting_errors::pixels_per_metre;
 use sinew_results::stored_array::stored_array;
 use sinew_results::tracked::Tracked;
 use std::fmt::Write as _;

@@ -5,7 +5,7 @@ use sinew_input::Error as InputError;
 use sinew::formats::{mask, picture};
 use sinew::input::pictures::Pictures;
 use sinew::input::silhouettes::{ImageFolderOptions, Silhouettes};
-use sinew::observe::bit_image::BitImage;
+use sinew::observe::silhouettes::bit_image::BitImage;
 use sinew::observe::{Camera, RgbImage};
 use std::fs;
 use std::path::{Path, PathBuf};

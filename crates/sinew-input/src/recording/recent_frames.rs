@@ -1,8 +1,8 @@
-//! The last frames that were read of a camera, which make frames in between ([`sinew_observe::between_frames`]).
+//! The last frames that were read of a camera, which make frames in between ([`sinew_observe::clocks::between_frames`]).
 
 use crate::Error;
 use sinew_observe::association::{Config, Person};
-use sinew_observe::between_frames::people_between;
+use sinew_observe::clocks::between_frames::people_between;
 use std::collections::VecDeque;
 
 /// Frames before, at, and after a time that make what lies between.

@@ -5,7 +5,7 @@ use sinew::setup::MeasuredErrors;
 use sinew::setup::lasting_posterior::KnownNumber;
 use sinew_body::point_derivatives::length_names;
 use sinew_observe::Camera;
-use sinew_observe::lasting_errors::LastingErrors;
+use sinew_observe::lasting::lasting_errors::LastingErrors;
 use std::ops::Range;
 
 /// Numbers of a camera by what they are: name, places in its error, factor to the unit shown, unit, digits.

@@ -3,7 +3,7 @@
 use super::doubts::doubts;
 use super::html::escaped;
 use super::recorded::{Recorded, RecordedPoint};
-use sinew_observe::offsets::median;
+use sinew_observe::cameras::offsets::median;
 
 /// What the intervals are worth in a few words, as HTML, with the sentence of a validation if there was one.
 pub(super) fn verdict(recorded: &Recorded, validated: Option<&str>) -> String {

@@ -7,7 +7,7 @@ use crate::lasting_sources::PointSources;
 use crate::stored::Setup;
 use sinew_body::point_derivatives::{length_names, lengthened};
 use sinew_dynamics::lasting_scales::LastingDraws;
-use sinew_observe::lasting_errors::LastingErrors;
+use sinew_observe::lasting::lasting_errors::LastingErrors;
 
 /// Digits of a draw.
 const DIGITS: usize = 5;

@@ -16,7 +16,7 @@ use crate::support::store::{Store, rows};
 use serde_json::{Map, Value, json};
 use sinew::formats::layout;
 use sinew::observe::Camera;
-use sinew::observe::lasting_errors::pixels_per_metre;
+use sinew::observe::lasting::lasting_errors::pixels_per_metre;
 use sinew::setup::Setup;
 use sinew_results::tracked::Tracked;
 use sinew_analysis::validate::ObservationTally;

@@ -7,7 +7,7 @@ use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::random_walk::Between;
 use sinew_latent::file::StoredModel;
 use sinew_observe::Noise;
-use sinew_observe::image_score::ImageScore;
+use sinew_observe::silhouettes::image_score::ImageScore;
 use sinew_results::standing_trial::StandingTrial;
 use std::sync::Arc;
 

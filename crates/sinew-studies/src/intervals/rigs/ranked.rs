@@ -7,7 +7,7 @@ use super::super::summary::{mean, scale_mixture_rank};
 use crate::support::outcome::Outcome;
 use crate::support::program::Program;
 use serde_json::{Map, Value, json};
-use sinew::observe::camera_error::PRINCIPAL_POINT;
+use sinew::observe::cameras::camera_error::PRINCIPAL_POINT;
 use sinew::setup::{MeasuredErrors, Setup};
 use sinew_body::points::points_of_states;
 use sinew_tests::drawn_rig::{FRAMES, RATE_HZ, Rig, USED, truth};

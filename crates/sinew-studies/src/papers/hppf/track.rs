@@ -19,7 +19,7 @@ use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::dynamics::primitives::motion::PrimitiveMotion;
 use sinew::dynamics::random_walk::{Between, RandomWalk};
 use sinew::observe::Camera;
-use sinew::observe::image_likelihood::ImageLikelihood;
+use sinew::observe::silhouettes::image_likelihood::ImageLikelihood;
 use sinew::samplers::annealed_search;
 use sinew::samplers::levels::Selection;
 use sinew::samplers::resample::Truncation;
