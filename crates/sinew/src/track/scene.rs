@@ -9,7 +9,6 @@ use super::error::TrackError;
 use crate::Error;
 use crate::config::settings::Settings;
 use crate::methods::BoundKeypoints;
-use crate::results::problem::{Problem, check_length};
 use crate::setup::measured_mistakes::mistakes;
 use crate::setup::{self, CameraSetup, Setup};
 use serde::{Deserialize, Serialize};
@@ -20,13 +19,14 @@ use sinew_core::density::Lanes;
 use sinew_dynamics::joint_limits::JointLimits;
 use sinew_formats::Layout;
 use sinew_observe::association::{self, Person};
-use sinew_observe::bystanders::elsewhere;
-use sinew_observe::following::{Associated, Following, follow};
-use sinew_observe::offsets::{self, Sighted, median};
+use sinew_observe::keypoints::bystanders::elsewhere;
+use sinew_observe::association::following::{Associated, Following, follow};
+use sinew_observe::cameras::offsets::{self, Sighted, median};
 use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
-use sinew_recording::body_limits::body_limits;
-use sinew_recording::oddities::{OddPerson, Oddities, Watched};
-use sinew_recording::predictive::{self, Doubt, Lengths, Origins, Predictive};
+use sinew_results::problem::{Problem, check_length};
+use sinew_setup::body_limits::body_limits;
+use sinew_setup::oddities::{OddPerson, Oddities, Watched};
+use sinew_setup::predictive::{self, Doubt, Lengths, Origins, Predictive};
 use std::sync::Arc;
 
 /// Mean squared distance of the keypoints from a pose, in noise variances and at most [`WORST`] each, above which the pose is doubted. A right one has about 3.
