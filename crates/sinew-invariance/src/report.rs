@@ -174,7 +174,7 @@ impl fmt::Display for Report {
             writeln!(f, "  a failure shows: {}", self.would_show)?;
         } else if !self.detectable.is_empty() {
             let seen: Vec<String> = hardest(&self.detectable).map(|one| one.to_string()).collect();
-            writeln!(f, "  would have failed in 9 of 10 runs: {}", seen.join("; "))?;
+            writeln!(f, "  sees 9 times in 10: {}", seen.join("; "))?;
         }
         match self.seed {
             Some(seed) if self.false_alarm_rate == 0.0 => write!(f, "  bounds of the caller; seed {seed}"),

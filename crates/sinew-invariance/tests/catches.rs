@@ -422,6 +422,20 @@ fn the_guide_shows_what_is_printed() {
     assert_eq!(report.to_string(), include_str!("../src/guide/broken.txt").trim_end(), "paste this:\n{report}");
 }
 
+/// So is the report of the README.
+#[test]
+fn the_readme_shows_what_is_printed() {
+    let target = GaussianTarget::equicorrelated(2, 0.8);
+    let report = exact_start(
+        &ExactStart::default(),
+        |rng| target.draw(rng),
+        walk(&target, 0.9, metropolis),
+        &TestFunctions::moments(2),
+    );
+    let shown = include_str!("../README.md").contains(&format!("```text\n{report}\n```"));
+    assert!(shown, "paste this:\n{report}");
+}
+
 /// Runs of a hundred that an exponent of the target fails whose standard deviation is wrong by this much.
 fn failed_by_a_wrong_exponent(wrong_by: f64) -> usize {
     let target = GaussianTarget::standard(1);
@@ -446,7 +460,7 @@ fn a_report_that_holds_says_what_it_would_have_seen() {
     let found = report.detectable.iter().find(|one| one.what == Wrong::StandardDeviation).unwrap();
     assert!(found.of == "x0²" && (0.05..0.25).contains(&found.size), "{found:?}");
     let text = report.to_string();
-    assert!(text.contains("would have failed in 9 of 10 runs: a standard deviation wrong by"), "{text}");
+    assert!(text.contains("sees 9 times in 10: a standard deviation wrong by"), "{text}");
     let (whole, half) = (failed_by_a_wrong_exponent(found.size), failed_by_a_wrong_exponent(0.5 * found.size));
     assert!((77..=100).contains(&whole) && half <= 35, "{whole} and {half} of 100");
 }
