@@ -6,8 +6,8 @@ use super::limbs::paired_limbs;
 use super::source::FrameSource;
 use crate::Error;
 use sinew_observe::Camera;
-use sinew_observe::association::{Config, Person};
 use sinew_observe::association::identities::Identities;
+use sinew_observe::association::{Config, Person};
 use std::ops::Range;
 
 /// Seconds for which two cameras must see somebody.
