@@ -5,7 +5,7 @@
 pub mod beside;
 pub mod combinations;
 pub mod combinators;
-mod compiled;
+mod compile_here;
 pub mod convergence;
 pub mod decode;
 pub mod density;
