@@ -16,6 +16,7 @@
 use crate::camera::Camera;
 use crate::keypoint_model::Detection;
 use crate::triangulate::{Seen, linear};
+use sinew_core::estimators::median;
 
 /// Keypoints of one person in one view, in the order of the layout; `None` is missing.
 pub type Person = Vec<Option<Detection>>;
@@ -84,11 +85,6 @@ pub(crate) fn size_px(pixels: impl Iterator<Item = [f64; 2]>) -> f64 {
 
 pub(crate) fn person_size_px(person: &Person, config: &Config) -> f64 {
     size_px(person.iter().filter_map(|d| usable(*d, config)).map(|d| d.pixel)).max(1.0)
-}
-
-pub(crate) fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::INFINITY)
 }
 
 /// Median distance of a person's keypoints from expected pixels (in pixels) and the number of shared ones; `None` where too few are shared.

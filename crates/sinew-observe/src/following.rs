@@ -1,9 +1,10 @@
 //! Following one person through a recording: association of frames with the memory that it needs.
 
 use crate::association::{
-    Config, Person, PersonGroup, distance_px, groups, median, nearest, projected, size_px, triangulated, usable,
+    Config, Person, PersonGroup, distance_px, groups, nearest, projected, size_px, triangulated, usable,
 };
 use crate::camera::Camera;
+use sinew_core::estimators::median;
 
 /// What following one person needs to remember.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -93,17 +94,6 @@ pub fn follow(
         }
     }
     Associated { members, people: assembled }
-}
-
-/// The indices that [`follow`] finds, for each camera; all `None` where the person is absent.
-pub fn associate(
-    following: &mut Following,
-    cameras: &[Camera],
-    people: &[Vec<Person>],
-    predicted: Option<&[Vec<Option<[f64; 2]>>]>,
-    config: &Config,
-) -> Vec<Option<usize>> {
-    follow(following, cameras, people, predicted, config).members
 }
 
 /// The chosen person with the keypoints of others who stand where he is expected and have hardly a keypoint in common with him.

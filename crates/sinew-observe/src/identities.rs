@@ -12,12 +12,11 @@
 //! What somebody looks like is not used. Cost of a frame: linear in the views, and in the people but for the assignment, which is cubic and small.
 
 use crate::assignment::least_cost;
-use crate::association::{
-    Config, Person, PersonGroup, distance_px, median, person_size_px, projected, size_px, triangulated,
-};
+use crate::association::{Config, Person, PersonGroup, distance_px, person_size_px, projected, size_px, triangulated};
 use crate::camera::Camera;
 use crate::identities_joining::{Naming, Stay, joined};
 use crate::view_partition::{partition, relative_distance};
+use sinew_core::estimators::median;
 
 /// Distance in space up to which a group is somebody who is there, metres.
 const SAME_PLACE_M: f64 = 0.3;

@@ -10,7 +10,7 @@
 //! Cost: cubic in the stays for the assignment, times the joins.
 
 use crate::assignment::least_cost;
-use crate::association::median;
+use sinew_core::estimators::median;
 use std::f64::consts::TAU;
 
 /// Standard deviation of the stature of adults, as a share (National Health Survey 1960–62, Vital and Health Statistics 11(8), table 2).

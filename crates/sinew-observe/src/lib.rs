@@ -48,7 +48,6 @@ pub mod frame_likelihood;
 pub mod girth;
 pub mod girth_with_pose;
 pub mod golden_section;
-pub mod hull;
 pub mod identities;
 pub mod identities_joining;
 pub mod image_likelihood;

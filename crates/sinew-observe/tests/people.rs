@@ -6,7 +6,7 @@ use sinew_observe::association::{Config, Person, groups, nearest, triangulated};
 use sinew_observe::cross_view::{
     best_lag, cameras_behind, expected_from_others, lag_change, residual_by_lag, swapped_spans,
 };
-use sinew_observe::following::{Associated, Following, associate, follow};
+use sinew_observe::following::{Associated, Following, follow};
 use sinew_observe::identities::Identities;
 use sinew_observe::offsets::{CameraNoise, Sighted};
 use sinew_observe::view_partition::partition;
@@ -204,11 +204,11 @@ fn where_a_prediction_is_given_it_counts() {
     let cameras = cameras();
     let mut following = Following::default();
     let at = |x: f64| cameras.iter().map(|c| vec![seen(c, &figure(x, 0.0, 1.0))]).collect::<Vec<_>>();
-    assert_eq!(associate(&mut following, &cameras, &at(0.0), None, &Config::default()), [Some(0); 4]);
+    assert_eq!(follow(&mut following, &cameras, &at(0.0), None, &Config::default()).members, [Some(0); 4]);
     let predicted: Vec<_> = at(0.9).iter().map(|people| pixels(&people[0])).collect();
     let mut other = following.clone();
-    assert_eq!(associate(&mut other, &cameras, &at(0.9), Some(&predicted), &Config::default()), [Some(0); 4]);
-    assert_eq!(associate(&mut following, &cameras, &at(0.9), None, &Config::default()), [None; 4]);
+    assert_eq!(follow(&mut other, &cameras, &at(0.9), Some(&predicted), &Config::default()).members, [Some(0); 4]);
+    assert_eq!(follow(&mut following, &cameras, &at(0.9), None, &Config::default()).members, [None; 4]);
 }
 
 #[test]
