@@ -33,11 +33,7 @@ pub fn parse<T: DeserializeOwned>(name: &str, text: &str) -> Result<T, Error> {
         match scan.infinity {
             Some(infinity) if infinity <= line => Error::OutOfRange { place, line: infinity },
             _ if what == "number out of range" => Error::OutOfRange { place, line },
-            _ => Error::Syntax {
-                place: place.at_line(line),
-                found: shortened(what),
-                expected: "JSON of this kind".into(),
-            },
+            _ => place.at_line(line).syntax(shortened(what), "JSON of this kind"),
         }
     })
 }

@@ -60,10 +60,12 @@ fn grammar_error(name: &str, text: &str, error: &toml::de::Error) -> Error {
     let place = place.at_line(line_at(text, span.start));
     if error.message().contains("duplicate key") {
         let name = text.get(span).unwrap_or_default();
-        return Error::DuplicateName { place, what: "key", name: shortened(name.trim()) };
+        return place.twice("key", shortened(name.trim()));
     }
-    let found = format!("`{}`", shortened(rest.lines().next().unwrap_or_default()));
-    Error::Syntax { place, found, expected: format!("valid TOML ({})", error.message()) }
+    place.syntax(
+        format!("`{}`", shortened(rest.lines().next().unwrap_or_default())),
+        format!("valid TOML ({})", error.message()),
+    )
 }
 
 fn open_bracket(text: &str) -> &'static str {
@@ -137,7 +139,7 @@ impl<'a> Table<'a> {
     }
 
     pub(crate) fn require(&self, key: &'a str) -> Result<Value<'a>, Error> {
-        self.get(key).ok_or_else(|| Error::MissingField { place: self.place(), field: key.into() })
+        self.get(key).ok_or_else(|| self.place().lacks(key))
     }
 
     pub(crate) fn string(&self, key: &'a str) -> Result<String, Error> {
@@ -178,7 +180,7 @@ impl<'a> Value<'a> {
 
     /// An error about this value.
     pub(crate) fn must_be(&self, expected: impl Into<String>) -> Error {
-        Error::BadValue { place: self.place(), field: self.key.into(), found: self.source(), expected: expected.into() }
+        self.place().bad_value(self.key, self.source(), expected)
     }
 
     pub(crate) fn as_table(&self) -> Result<Table<'a>, Error> {
