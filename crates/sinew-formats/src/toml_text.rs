@@ -4,7 +4,7 @@
 //! read leniently.
 
 use crate::nearest::nearest;
-use crate::source_text::{line_at, shortened, without_mark};
+use crate::source_text::{line_at, shortened, truncated, without_mark};
 use crate::{Error, Place};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -50,14 +50,13 @@ impl<'a> Document<'a> {
 }
 
 fn grammar_error(name: &str, text: &str, error: &toml::de::Error) -> Error {
-    let place = Place::file(name);
     let span = error.span().unwrap_or(0..0);
     let rest = text.get(span.start..).unwrap_or_default();
     if rest.trim_start().is_empty() && !text.trim().is_empty() {
         let inside = if error.message().contains("string") { "a string" } else { open_bracket(text) };
-        return Error::Truncated { place, inside, offset: text.len(), line: Some(line_at(text, text.len())) };
+        return truncated(name, text, inside);
     }
-    let place = place.at_line(line_at(text, span.start));
+    let place = Place::file(name).at_line(line_at(text, span.start));
     if error.message().contains("duplicate key") {
         let name = text.get(span).unwrap_or_default();
         return place.twice("key", shortened(name.trim()));

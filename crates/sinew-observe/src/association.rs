@@ -1,6 +1,6 @@
 //! Which detection in each view is the tracked person?
 //!
-//! **At the start**, and again once he has been lost for some frames, by consistency over cameras ([`groups`]):
+//! **At the start**, and again once a person has been lost for some frames, by consistency over cameras ([`groups`]):
 //!
 //! 1. Seeds: each pair of people in two of the (at most [`Config::seed_cameras`]) cameras that see most keypoints is triangulated keypoint by keypoint.
 //! 2. Where the pair agrees with its own pixels, every other camera contributes the person whose keypoints lie nearest to the projected points, if near enough.
