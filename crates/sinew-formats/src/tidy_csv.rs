@@ -94,21 +94,20 @@ pub fn write_row(out: &mut impl Write, cells: &[Cell<'_>]) -> io::Result<()> {
         match *cell {
             Cell::Number(value) => write_number(out, value)?,
             Cell::Integer(value) => write!(out, "{value}")?,
-            Cell::Text(text) => write_text(out, text, cells.len() == 1)?,
+            // It would look like a blank line.
+            Cell::Text("") if cells.len() == 1 => write!(out, "\"\"")?,
+            Cell::Text(text) => write!(out, "{}", quoted(text))?,
             Cell::Empty => {}
         }
     }
     writeln!(out)
 }
 
-/// Writes text, quoted where it could be misread: an only cell that is blank would look like a blank line.
-fn write_text(out: &mut impl Write, text: &str, only: bool) -> io::Result<()> {
+/// A text as a cell, quoted where it could be misread.
+#[must_use]
+pub fn quoted(text: &str) -> String {
     let odd = text.contains([',', ';', '\t', '"', '\n', '\r']) || text.trim() != text || text.starts_with('\u{feff}');
-    if odd || (only && text.is_empty()) {
-        write!(out, "\"{}\"", text.replace('"', "\"\""))
-    } else {
-        write!(out, "{text}")
-    }
+    if odd { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
 /// Reads a file as text.

@@ -99,7 +99,7 @@ pub fn escaped(text: &str) -> String {
             '&' => out.push_str("&amp;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            c if c.is_control() => out.push_str(&format!("&#{};", u32::from(c))),
+            c if c.is_control() && !matches!(c, '\n' | '\t') => out.push_str(&format!("&#{};", u32::from(c))),
             c => out.push(c),
         }
     }
