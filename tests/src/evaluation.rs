@@ -39,12 +39,12 @@ use sinew::formats::Layout;
 use sinew::input::source::FrameSource;
 use sinew::observe::association::Person;
 use sinew::observe::{Camera, cameras::offsets};
-use sinew_setup::silhouette_overlap::SilhouetteOverlap;
-use sinew_results::estimate::FrameEstimate;
 use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::{self, Doubt, Pipeline, Spool};
 use sinew::tracking::posterior::Posterior;
 use sinew_body::points::points_of_states;
+use sinew_results::estimate::FrameEstimate;
+use sinew_setup::silhouette_overlap::SilhouetteOverlap;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -2,6 +2,7 @@
 
 use super::plan::Task;
 use serde_json::Value;
+pub(super) use sinew_formats::tidy_csv::quoted;
 use std::fmt::Write as _;
 
 /// State of a trial in a study.
@@ -93,11 +94,6 @@ pub(super) fn table(rows: &[Row]) -> String {
         let _ = writeln!(text, "{cells},{},{},{}", state.word(), numbers.join(","), quoted(why));
     }
     text
-}
-
-/// A cell of a CSV file, between quotes where it needs them.
-pub(super) fn quoted(cell: &str) -> String {
-    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
 }
 
 #[cfg(test)]

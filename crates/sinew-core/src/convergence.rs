@@ -21,6 +21,7 @@
 //! assert!(rank_r_hat(&[&here, &away]) > 1.2 && bulk_ess(&[&here, &away]) < 30.0);
 //! ```
 
+use crate::estimators::{mean, median, quantile, variance};
 use std::cmp::Ordering;
 
 /// Both halves of every chain, cut to their common length; `None` where nothing can be said.
@@ -46,15 +47,6 @@ fn rank_normalised(chains: &[Vec<f64>]) -> Vec<Vec<f64>> {
         ties.iter().for_each(|&i| out[i] = z);
     }
     out.chunks(length.max(1)).map(<[f64]>::to_vec).collect()
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-fn variance(values: &[f64]) -> f64 {
-    let middle = mean(values);
-    values.iter().map(|x| (x - middle) * (x - middle)).sum::<f64>() / (values.len() as f64 - 1.0)
 }
 
 fn r_hat(chains: &[Vec<f64>]) -> f64 {
@@ -116,9 +108,7 @@ fn effective(chains: &[Vec<f64>]) -> f64 {
 #[must_use]
 pub fn rank_r_hat<C: AsRef<[f64]>>(chains: &[C]) -> f64 {
     let Some(halves) = halves(chains) else { return f64::NAN };
-    let mut all: Vec<f64> = halves.iter().flatten().copied().collect();
-    all.sort_by(f64::total_cmp);
-    let median = 0.5 * (all[(all.len() - 1) / 2] + all[all.len() / 2]);
+    let median = median(&mut halves.concat());
     let folded: Vec<Vec<f64>> = halves.iter().map(|c| c.iter().map(|x| (x - median).abs()).collect()).collect();
     let [location, scale] = [&halves, &folded].map(|values| r_hat(&rank_normalised(values)));
     if location.is_nan() || scale.is_nan() { f64::NAN } else { location.max(scale) }
@@ -138,10 +128,7 @@ pub fn tail_ess<C: AsRef<[f64]>>(chains: &[C]) -> f64 {
     all.sort_by(f64::total_cmp);
     let Some(halves) = halves(chains) else { return f64::NAN };
     let of = |p: f64| {
-        // The quantile between two order statistics.
-        let place = p * (all.len() - 1) as f64;
-        let (low, part) = (place.floor() as usize, place.fract());
-        let quantile = all[low] + part * (all[(low + 1).min(all.len() - 1)] - all[low]);
+        let quantile = quantile(&all, p);
         let below = |c: &Vec<f64>| c.iter().map(|x| f64::from(u8::from(*x <= quantile))).collect();
         effective(&halves.iter().map(below).collect::<Vec<_>>())
     };

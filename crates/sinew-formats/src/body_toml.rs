@@ -157,8 +157,11 @@ fn axes(value: Value<'_>) -> Result<[[f64; 3]; 3], Error> {
 fn tables<'a>(root: Table<'a>, key: &'a str) -> Result<Vec<Table<'a>>, Error> {
     let tables = root.array_of_tables(key)?;
     if tables.len() > MAX_PARTS {
-        let (field, found) = (format!("[[{key}]]"), format!("{} tables", tables.len()));
-        return Err(Error::BadValue { place: root.place(), field, found, expected: format!("at most {MAX_PARTS}") });
+        return Err(root.place().bad_value(
+            format!("[[{key}]]"),
+            format!("{} tables", tables.len()),
+            format!("at most {MAX_PARTS}"),
+        ));
     }
     Ok(tables)
 }
@@ -170,7 +173,7 @@ fn unique_name<'n>(
 ) -> Result<String, Error> {
     let name = table.string("name")?;
     if others.any(|other| other == name) {
-        return Err(Error::DuplicateName { place: table.place(), what, name });
+        return Err(table.place().twice(what, name));
     }
     Ok(name)
 }

@@ -54,6 +54,7 @@ pub mod caliscope_xy;
 mod camera_checks;
 pub mod camera_name;
 pub mod coco_results;
+mod csv_text;
 pub mod deeplabcut_csv;
 mod error;
 pub mod frame_number;
@@ -89,7 +90,7 @@ pub mod tidy_csv;
 mod toml_text;
 pub mod trc;
 mod warning;
-mod xml_text;
+pub mod xml_text;
 pub mod zarr;
 
 pub use error::Error;

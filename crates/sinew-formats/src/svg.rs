@@ -1,5 +1,6 @@
 //! Lines, circles, squares, cells and words as SVG.
 
+use crate::xml_text::escaped;
 use std::fmt::Write as _;
 
 /// Characters of a name that are shown.
@@ -32,10 +33,6 @@ impl Anchor {
             Self::End => "end",
         }
     }
-}
-
-fn escaped(words: &str) -> String {
-    words.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 impl Svg {

@@ -135,11 +135,7 @@ fn medians(
     rng: &mut BlockRng,
 ) -> Vec<f64> {
     let values: Vec<Vec<f64>> = (0..PILOT).map(|_| functions.at(&draw(rng))).collect();
-    let median = |j: usize| {
-        let mut column: Vec<f64> = values.iter().map(|v| v[j]).collect();
-        column.sort_by(f64::total_cmp);
-        column[PILOT / 2]
-    };
+    let median = |j: usize| sinew_core::estimators::median(&mut values.iter().map(|v| v[j]).collect::<Vec<_>>());
     (0..functions.names().len()).map(median).collect()
 }
 

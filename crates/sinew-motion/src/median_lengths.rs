@@ -88,6 +88,9 @@ mod tests {
                 assert!(distance(a.offset, b.offset) < 1e-9, "{}: {:?} for {:?}", a.name, a.offset, b.offset);
             }
         }
-        assert_eq!(median_lengths(&Trajectories::default(), 0.0), Err(FollowError::Body(sinew_body::Error::NoPoint("LHip".into()))));
+        assert_eq!(
+            median_lengths(&Trajectories::default(), 0.0),
+            Err(FollowError::Body(sinew_body::Error::NoPoint("LHip".into())))
+        );
     }
 }

@@ -3,13 +3,13 @@
 use sinew_body::points::points_of_states;
 use sinew_dynamics::primitives::file;
 use sinew_dynamics::primitives::learning::LearningProgress;
+use sinew_motion::Error;
 use sinew_motion::follow::NamedBody;
 use sinew_motion::learn::motion_files::{LearnPhase, MotionFiles};
 use sinew_motion::learn::primitives::{LearnRequest, LearnWatch, LearnedPrimitives, learn};
 use sinew_motion::learn::sequences::{Acclaim, sequences};
 use sinew_simulate::recording::write_trc;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
-use sinew_motion::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -2,12 +2,12 @@
 
 use sinew_body::points::points_of_states;
 use sinew_latent::file::{LatentKind, read};
+use sinew_motion::Error;
 use sinew_motion::follow::NamedBody;
 use sinew_motion::learn::latent::{LatentRequest, LatentWatch, LearnedLatent, learn};
 use sinew_motion::learn::motion_files::{LearnPhase, MotionFiles};
 use sinew_simulate::recording::write_trc;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
-use sinew_motion::Error;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -10,7 +10,6 @@ pub mod distance_map;
 pub mod edges;
 pub mod girth;
 pub mod girth_with_pose;
-pub mod hull;
 pub mod image_likelihood;
 pub(crate) mod image_lookup;
 pub mod image_score;

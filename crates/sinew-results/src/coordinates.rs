@@ -51,10 +51,10 @@ impl Coordinates {
 
 #[cfg(test)]
 mod tests {
-    use sinew_setup::posed_body::pose;
     use sinew_angles::{Convention, JointAngles};
     use sinew_body::{Proportions, standard};
     use sinew_formats::rotation::{Matrix, product, transpose};
+    use sinew_setup::posed_body::pose;
 
     /// Flexion, adduction and rotation of a link in another, from the links' places in a posed body.
     fn between(proximal: &Matrix, distal: &Matrix) -> [f64; 3] {

@@ -6,6 +6,7 @@ use super::folder::write_whole;
 use super::results_error::ResultsError;
 use crate::Error;
 use serde::Serialize;
+use sinew_formats::tidy_csv::quoted;
 use sinew_input::roll::PersonSeen;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -148,11 +149,6 @@ impl PeopleSummary {
         }
         text
     }
-}
-
-/// A name as a cell of a table.
-fn quoted(name: &str) -> String {
-    if name.contains([',', '"', '\n']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
 }
 
 #[cfg(test)]

@@ -52,9 +52,9 @@ impl SkeletonFile {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_setup::posed_body::pose;
     use sinew_body::KinematicTree;
     use sinew_body::{Proportions, standard};
+    use sinew_setup::posed_body::pose;
 
     /// The file's own kinematics must place every joint and tip where the body has it.
     fn check(body: &KinematicTree, state: &[f64]) {

@@ -16,6 +16,7 @@ use crate::metric::Metric;
 use crate::nuts::{self, Nuts};
 use crate::{Error, learned};
 use sinew_core::density::GradLogDensity;
+use sinew_core::estimators::median;
 use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::Stage;
 
@@ -88,7 +89,7 @@ pub fn warm_up<T: GradLogDensity + ?Sized>(
             let draws = run.draws.select(&in_the_bulk(&run.draws));
             metric = learned::metric(target, &draws, least_effective(&draws), isa)?;
         }
-        step_size = median(step_sizes);
+        step_size = median(&mut step_sizes.clone());
     }
     Ok(WarmedUp { metric, states, step_size })
 }
@@ -100,16 +101,10 @@ fn in_the_bulk(draws: &ChainDraws) -> Vec<usize> {
         draws.stats.iter().skip(chain).step_by(draws.chains).map(|stat| stat.log_density).sum::<f64>() / count
     };
     let means: Vec<f64> = (0..draws.chains).map(mean).collect();
-    let least = median(means.clone()) - f64::max(draws.dim as f64, 10.0);
+    let least = median(&mut means.clone()) - f64::max(draws.dim as f64, 10.0);
     (0..draws.chains).filter(|&chain| means[chain] >= least).collect()
 }
 
 fn least_effective(draws: &ChainDraws) -> f64 {
     (0..draws.dim).map(|j| effective_sample_size(&draws.series(j))).fold(f64::INFINITY, f64::min)
-}
-
-/// The upper one of two in the middle.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }

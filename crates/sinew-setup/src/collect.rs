@@ -13,9 +13,9 @@ use sinew_formats::Layout;
 use sinew_input::lag::ClockLag;
 use sinew_input::limbs::{LIMBS, limbs};
 use sinew_observe::Camera;
+use sinew_observe::association::following::{Following, follow};
 use sinew_observe::association::{self, Person};
 use sinew_observe::cameras::cross_view::cameras_behind;
-use sinew_observe::association::following::{Following, follow};
 use sinew_observe::cameras::offsets::{self, Sighted};
 
 /// What to set up, and how.

@@ -3,8 +3,8 @@
 use super::calibration_fit::{is_doubtful, per_diagonal, residual};
 use super::setup_error::SetupError;
 use sinew_observe::Camera;
-use sinew_observe::association::{Config, Person};
 use sinew_observe::association::following::{Following, follow};
+use sinew_observe::association::{Config, Person};
 use sinew_observe::cameras::offsets::Sighted;
 
 /// Share of the views of people in which a camera shows the person whom others see, below which something is wrong, and from which on all is well.

@@ -1,10 +1,10 @@
 //! Several people who walk across each other's ways, and a detector that takes one for another.
 //!
-//! Each person is an adult of his own size ([`crate::adult`]) who stands for a moment and walks straight across the middle, in a direction of his own; half way all of them are near the middle, each at most [`BESIDE_M`] beside it. Keypoints are as in [`crate::detector`], and besides, in a camera and frame
+//! Each person is an adult of their own size ([`crate::adult`]) who stands for a moment and walks straight across the middle, in a direction of their own; half way all of them are near the middle, each at most [`BESIDE_M`] beside it. Keypoints are as in [`crate::detector`], and besides, in a camera and frame
 //!
-//! 1. a keypoint that another person hides is not found: the ray to it enters his body before;
+//! 1. a keypoint that another person hides is not found: the ray to it enters their body before;
 //! 2. somebody is lost with the probability [`CrowdNoise::lost`];
-//! 3. of two whose boxes in the image share more than [`CLOSE`] of the smaller one, the farther is merged into the nearer with the probability [`CrowdNoise::merged`]: he is not found;
+//! 3. of two whose boxes in the image share more than [`CLOSE`] of the smaller one, the farther is merged into the nearer with the probability [`CrowdNoise::merged`]: the farther is not found;
 //! 4. else the two exchange an arm or a leg with the probability [`CrowdNoise::swapped`];
 //! 5. people are listed in any order.
 //!
@@ -82,9 +82,9 @@ pub type FoundPeople = Vec<Vec<Option<Keypoint>>>;
 /// A recording of several people.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CrowdRecording {
-    /// True points of each person, also while he is away.
+    /// True points of each person, also while they are away.
     pub truth: Vec<Trajectories>,
-    /// Frames in which each person is away; empty where he never is.
+    /// Frames in which each person is away; empty where they never are.
     pub away: Vec<Range<usize>>,
     /// Cameras, as their calibration has them.
     pub cameras: Vec<Camera>,

@@ -1,6 +1,6 @@
 //! Simulated people, cameras and detectors with known truth.
 //!
-//! A person who stands and walks, virtual cameras around him, and a detector that errs as real ones do.
+//! A person who stands and walks, virtual cameras around them, and a detector that errs as real ones do.
 //!
 //! | module | what |
 //! |---|---|

@@ -7,18 +7,18 @@
 //! - open files: as many at the end as after frame 1000;
 //! - root mean square error over root mean square standard deviation of the points of `joints.csv`, last 1000 frames against the first: at most 1.2 times.
 
+use sinew::Error;
 use sinew::config::{Sources, resolve};
 use sinew::formats::Layout;
 use sinew::input::in_memory::InMemory;
 use sinew::input::source::FrameSource;
 use sinew::observe::Camera;
 use sinew::observe::association::Person;
-use sinew_results::claim;
 use sinew::track::job;
 use sinew::track::job::{RunPhase, Watch};
-use sinew::Error;
-use sinew_input::Error as InputError;
 use sinew_body::points::Trajectories;
+use sinew_input::Error as InputError;
+use sinew_results::claim;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::simulated_source::source;
 use std::collections::BTreeMap;

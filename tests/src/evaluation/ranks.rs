@@ -11,8 +11,8 @@
 
 use sinew::body::{KinematicTree, Plan, point_positions};
 use sinew::core::lanes::Isa;
-use sinew_results::estimate::FrameEstimate;
 use sinew_body::points::Trajectories;
+use sinew_results::estimate::FrameEstimate;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
 /// Levels of central intervals that are looked at.

@@ -1,12 +1,12 @@
 //! What the program says about bad folders of masks and images.
 //! Good ones are read alike in every layout.
 
-use sinew_input::Error as InputError;
 use sinew::formats::{mask, picture};
 use sinew::input::pictures::Pictures;
 use sinew::input::silhouettes::{ImageFolderOptions, Silhouettes};
 use sinew::observe::silhouettes::bit_image::BitImage;
 use sinew::observe::{Camera, RgbImage};
+use sinew_input::Error as InputError;
 use std::fs;
 use std::path::{Path, PathBuf};
 

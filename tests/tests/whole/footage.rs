@@ -2,6 +2,7 @@
 //! The person is in all views, and the same seed gives the same pixels.
 
 use sinew_body::points::{Trajectories, points_of_states};
+use sinew_motion::convert;
 use sinew_motion::recorded::from_points;
 use sinew_simulate::combo::{Sequence, TURN_RADIUS_M, comfortable_radius_m, synthetic_combo};
 use sinew_simulate::footage::SyntheticFootage;
@@ -9,7 +10,6 @@ use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::Level;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tests::recorded_motion::{recorded, recorded_combo};
-use sinew_motion::convert;
 
 const RATE_HZ: f64 = 30.0;
 

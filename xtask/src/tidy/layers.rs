@@ -13,7 +13,7 @@ const ALLOWED: [(&str, &[&str]); 22] = [
     ("sinew-latent", &["sinew-dynamics", "sinew-core"]),
     ("sinew-samplers", &["sinew-core"]),
     ("sinew-tracking", &["sinew-samplers", "sinew-core"]),
-    ("sinew-formats", &["sinew-body", "sinew-observe"]),
+    ("sinew-formats", &["sinew-core", "sinew-body", "sinew-observe"]),
     ("sinew-invariance", &["sinew-core"]),
     ("sinew-motion", &["sinew-core", "sinew-body", "sinew-formats"]),
     ("sinew-simulate", &["sinew-core", "sinew-body", "sinew-observe", "sinew-formats", "sinew-motion"]),
@@ -83,8 +83,8 @@ const TERMINAL: [&str; 5] = ["clap", "clap_complete", "clap_mangen", "ctrlc", "i
 /// The programs: what people run, and our chores.
 const PROGRAMS: [&str; 3] = ["sinew-cli", "sinew-studies", "xtask"];
 
-/// Modules of core that bodies may use: lanes and what runs on them, no probability and no randomness.
-const CORE_FOR_BODY: [&str; 3] = ["lanes", "elementary", "kernel"];
+/// Modules of core that bodies may use: lanes and what runs on them, medians; no probability and no randomness.
+const CORE_FOR_BODY: [&str; 4] = ["lanes", "elementary", "estimators", "kernel"];
 
 /// Checks manifests and imports.
 pub fn check(workspace: &Workspace) -> Vec<Violation> {

@@ -3,6 +3,7 @@
 //! The tracked body keeps its lengths, so all frames say the same. The trunk has a height and, between the shoulders, a width. Markers are not moved afterwards: centres of joints stay at the joints.
 
 use super::marker_set::ModelMarker;
+use sinew_formats::xml_text::escaped;
 use std::fmt::Write as _;
 
 /// Scaled model that the scale tool writes and inverse kinematics reads.
@@ -96,9 +97,4 @@ pub(super) fn to_xml(
         .replace("{{scaled}}", SCALED)
         .replace("{{range}}", &format!("{from} {to}"))
         .replace("{{measurements}}\n", &measured)
-}
-
-/// A text in XML.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

@@ -1,22 +1,23 @@
 //! Following one person through a recording: association of frames with the memory that it needs.
 
 use crate::association::{
-    Config, Person, PersonGroup, distance_px, groups, median, nearest, projected, size_px, triangulated, usable,
+    Config, Person, PersonGroup, distance_px, groups, nearest, projected, size_px, triangulated, usable,
 };
 use crate::cameras::camera::Camera;
+use sinew_core::estimators::median;
 
 /// What following one person needs to remember.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Following {
     /// Which of the people at the start: 0 is the most complete one.
     pub person: usize,
-    /// Distances between pairs of keypoints by which he is known again, metres.
+    /// Distances between pairs of keypoints by which they are known again, metres.
     pub lengths: Vec<(usize, usize, f64)>,
-    /// Where his keypoints were last seen or, where they were not, projected to, camera by camera.
+    /// Where their keypoints were last seen or, where they were not, projected to, camera by camera.
     pub last_px: Vec<Vec<Option<[f64; 2]>>>,
-    /// Frames since he was last seen.
+    /// Frames since they were last seen.
     pub lost: usize,
-    /// Whether he was ever seen.
+    /// Whether they were ever seen.
     pub started: bool,
 }
 
@@ -25,20 +26,20 @@ pub struct Following {
 pub struct Associated {
     /// For each camera, the index of the person there.
     pub members: Vec<Option<usize>>,
-    /// For each camera, his keypoints; empty where he was not found. Detectors sometimes break a person in two: fragments are put together.
+    /// For each camera, their keypoints; empty where they were not found. Detectors sometimes break a person in two: fragments are put together.
     pub people: Vec<Person>,
 }
 
 impl Associated {
-    /// Whether any camera found him.
+    /// Whether any camera found them.
     #[must_use]
     pub fn is_present(&self) -> bool {
         self.members.iter().any(Option::is_some)
     }
 }
 
-/// Finds the followed person in a frame (people of each camera) and remembers where he is. `predicted` are the expected pixels, offsets included, where a motion
-/// model gives them; without it he is expected where he was.
+/// Finds the followed person in a frame (people of each camera) and remembers where they are. `predicted` are the expected pixels, offsets included, where a motion
+/// model gives them; without it they are expected where they were.
 pub fn follow(
     following: &mut Following,
     cameras: &[Camera],
@@ -95,18 +96,7 @@ pub fn follow(
     Associated { members, people: assembled }
 }
 
-/// The indices that [`follow`] finds, for each camera; all `None` where the person is absent.
-pub fn associate(
-    following: &mut Following,
-    cameras: &[Camera],
-    people: &[Vec<Person>],
-    predicted: Option<&[Vec<Option<[f64; 2]>>]>,
-    config: &Config,
-) -> Vec<Option<usize>> {
-    follow(following, cameras, people, predicted, config).members
-}
-
-/// The chosen person with the keypoints of others who stand where he is expected and have hardly a keypoint in common with him.
+/// The chosen person with the keypoints of others who stand where they are expected and have hardly a keypoint in common with them.
 fn with_fragments(people: &[Person], member: Option<usize>, expected: &[Option<[f64; 2]>], config: &Config) -> Person {
     let Some(mut whole) = member.and_then(|i| people.get(i).cloned()) else { return vec![] };
     let gate = 0.5 * config.near * size_px(expected.iter().flatten().copied());

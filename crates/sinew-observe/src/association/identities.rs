@@ -2,35 +2,34 @@
 //!
 //! Each frame:
 //!
-//! 1. Everybody who was there a moment ago is expected where he was, moved on with his velocity. In each view, people are assigned to those who are expected ([`least_cost`]), within the gate [`Config::near`]. So two who cross keep their names.
-//! 2. Views that contradict the others of a person are taken from him again; one view alone must lie nearer.
-//! 3. Whoever is left over is grouped over the views ([`partition`]). A group that stands where somebody is whom these views had missed is he. Another one begins a stay.
+//! 1. Everybody who was there a moment ago is expected where they were, moved on with their velocity. In each view, people are assigned to those who are expected ([`least_cost`]), within the gate [`Config::near`]. So two who cross keep their names.
+//! 2. Views that contradict the others of a person are taken from them again; one view alone must lie nearer.
+//! 3. Whoever is left over is grouped over the views ([`partition`]). A group that stands where somebody is whom these views had missed is that person. Another one begins a stay.
 //! 4. Points in space and velocities are brought up to date, and lengths of segments are kept.
 //!
-//! After the last frame, stays of the same person are joined ([`crate::association::identities_joining`]): who comes is not decided by his first frame.
+//! After the last frame, stays of the same person are joined ([`crate::association::identities_joining`]): who comes is not decided by the first frame.
 //!
 //! What somebody looks like is not used. Cost of a frame: linear in the views, and in the people but for the assignment, which is cubic and small.
 
 use crate::association::assignment::least_cost;
 use crate::association::identities_joining::{Naming, Stay, joined};
 use crate::association::view_partition::{partition, relative_distance};
-use crate::association::{
-    Config, Person, PersonGroup, distance_px, median, person_size_px, projected, size_px, triangulated,
-};
+use crate::association::{Config, Person, PersonGroup, distance_px, person_size_px, projected, size_px, triangulated};
 use crate::cameras::camera::Camera;
+use sinew_core::estimators::median;
 
 /// Distance in space up to which a group is somebody who is there, metres.
 const SAME_PLACE_M: f64 = 0.3;
 /// Share of a new velocity that counts.
 const FRESH: f64 = 0.3;
 
-/// Somebody who stays, and where he was last.
+/// Somebody who stays, and where they were last.
 #[derive(Clone, Debug, PartialEq)]
 struct Known {
     points: Vec<Option<[f64; 3]>>,
     /// Metres a frame.
     velocity: [f64; 3],
-    /// Frames since two views agreed on him.
+    /// Frames since two views agreed on them.
     unseen: u64,
     stay: Stay,
 }
@@ -122,7 +121,7 @@ impl<'a> Identities<'a> {
         people.iter().map(|person| cost(person).unwrap_or(f64::INFINITY)).collect()
     }
 
-    /// Takes views from a person that contradict his others, the one that is off most first; of two, the one that is farther from where he is expected.
+    /// Takes views from a person that contradict their others, the one that is off most first; of two, the one that is farther from where they are expected.
     fn drop_contradicting(&self, people: &[Vec<Person>], members: &mut [Option<usize>], expected: &[Option<[f64; 3]>]) {
         let off = |members: &[Option<usize>], points: &[Option<[f64; 3]>]| -> Vec<(f64, usize)> {
             let seen = members.iter().enumerate().filter_map(|(view, i)| Some((view, (*i)?)));
@@ -158,7 +157,7 @@ impl<'a> Identities<'a> {
         }
     }
 
-    /// Whether a group is somebody present whom its views had missed; then they are his.
+    /// Whether a group is somebody present whom its views had missed; then the views are theirs.
     fn joins(&self, group: &PersonGroup, present: &[usize], members: &mut [Vec<Option<usize>>]) -> bool {
         let is_he = |&&k: &&usize| {
             let fits = distance_m(&group.points, &self.known[k].expected()).is_some_and(|m| m <= SAME_PLACE_M);
@@ -200,7 +199,7 @@ impl<'a> Identities<'a> {
 }
 
 impl Known {
-    /// Where he is expected now.
+    /// Where they are expected now.
     fn expected(&self) -> Vec<Option<[f64; 3]>> {
         let frames = self.unseen as f64;
         let moved = |point: &[f64; 3]| [0, 1, 2].map(|axis: usize| point[axis] + frames * self.velocity[axis]);

@@ -2,15 +2,15 @@
 //!
 //! A stay is what was seen of somebody without a break. Of stays i and j, j begun after the end of i, the log odds that they are of the same person are a sum of two likelihood ratios against "somebody new":
 //!
-//! 1. **Lengths of segments.** The medians of the log lengths in the two stays differ by d. If he is the same, d ~ N(0, V), V the variances of both medians (scatter over the frames, and `LASTING`, which does not average out) and an error of scale that all have in common (`SCALE`). If he is another adult, stature and the shares of the segments differ besides (`STATURE`, `SEGMENT`). Both are a diagonal and a rank one.
-//! 2. **The way.** Nobody goes faster than `FASTEST_M_S`. Whoever is back at once is near where he left, N(0, (0.5 m + 1 m/s t)²); the longer he is away, the more likely he comes from anywhere, as somebody new does: evenly over `AREA_M2`.
+//! 1. **Lengths of segments.** The medians of the log lengths in the two stays differ by d. If it is the same person, d ~ N(0, V), V the variances of both medians (scatter over the frames, and `LASTING`, which does not average out) and an error of scale that all have in common (`SCALE`). If they are another adult, stature and the shares of the segments differ besides (`STATURE`, `SEGMENT`). Both are a diagonal and a rank one.
+//! 2. **The way.** Nobody goes faster than `FASTEST_M_S`. Whoever is back at once is near where they left, N(0, (0.5 m + 1 m/s t)²); the longer they are away, the more likely they come from anywhere, as somebody new does: evenly over `AREA_M2`.
 //!
-//! All stays are joined at once so that the sum of the log odds is greatest ([`least_cost`]). How sure a join is follows from what the sum loses without it, whoever he and the other may be then: **log odds of the best joint explanation with it to the best one without it**. Below `LEAST_LOG_ODDS` he is somebody new, since a wrong name is worse than a new one. Of two people of one size who left together, only the way can say who is back; if it does not, both are new.
+//! All stays are joined at once so that the sum of the log odds is greatest ([`least_cost`]). How sure a join is follows from what the sum loses without it, whoever both may be then: **log odds of the best joint explanation with it to the best one without it**. Below `LEAST_LOG_ODDS` they are somebody new, since a wrong name is worse than a new one. Of two people of one size who left together, only the way can say who is back; if it does not, both are new.
 //!
 //! Cost: cubic in the stays for the assignment, times the joins.
 
 use crate::association::assignment::least_cost;
-use crate::association::median;
+use sinew_core::estimators::median;
 use std::f64::consts::TAU;
 
 /// Standard deviation of the stature of adults, as a share (National Health Survey 1960–62, Vital and Health Statistics 11(8), table 2).
@@ -23,13 +23,13 @@ const LASTING: f64 = 0.015;
 const SCALE: f64 = 0.01;
 /// Seconds over which errors of successive frames are about the same.
 const CORRELATED_S: f64 = 0.1;
-/// Fastest that somebody goes who is away, metres a second, and what he may be off besides, metres.
+/// Fastest that somebody goes who is away, metres a second, and what they may be off besides, metres.
 const FASTEST_M_S: f64 = 4.0;
 const SLACK_M: f64 = 0.5;
-/// How far somebody is from where he left, at once, metres, and with each second.
+/// How far somebody is from where they left, at once, metres, and with each second.
 const NEAR_M: f64 = 0.5;
 const NEAR_M_S: f64 = 1.0;
-/// Seconds after which he comes from anywhere with the probability 1 − 1/e.
+/// Seconds after which they come from anywhere with the probability 1 − 1/e.
 const ANYWHERE_S: f64 = 4.0;
 /// Ground over which newcomers are spread, square metres.
 const AREA_M2: f64 = 25.0;
@@ -42,9 +42,9 @@ pub const LEAST_LOG_ODDS: f64 = 1.5;
 /// What was seen of somebody without a break.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Stay {
-    /// First and last frame in which two views agreed on him.
+    /// First and last frame in which two views agreed on them.
     pub frames: [u64; 2],
-    /// Middle of his points then, metres.
+    /// Middle of their points then, metres.
     pub places: [[f64; 3]; 2],
     /// Log lengths of each segment, one a frame in which it was seen, of metres.
     pub log_lengths: Vec<Vec<f64>>,
@@ -55,21 +55,21 @@ pub struct Stay {
 pub struct Naming {
     /// Number of the person, from 0 in the order of coming.
     pub person: usize,
-    /// Whom he was taken for, or could be.
+    /// Whom they were taken for, or could be.
     pub likeness: Option<Likeness>,
 }
 
 /// Somebody who was there before and could be back.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Likeness {
-    /// His number. He has his name again if [`Naming::person`] is the same.
+    /// Their number. They have their name again if [`Naming::person`] is the same.
     pub person: usize,
-    /// Log odds that it is he, at least 0. They are to the best explanation of all stays in which it is not.
+    /// Log odds that it is that person, at least 0. They are to the best explanation of all stays in which it is not.
     pub log_odds: f64,
 }
 
 impl Likeness {
-    /// Probability that it is he.
+    /// Probability that it is that person.
     #[must_use]
     pub fn probability(&self) -> f64 {
         1.0 / (1.0 + (-self.log_odds).exp())
@@ -88,7 +88,7 @@ pub fn joined(stays: &[Stay], fps: f64) -> Vec<Naming> {
     let cost = |back: usize, left: usize| {
         let way = way_log_odds(&stays[left], &stays[back], fps).filter(|_| left < back && is_long(&stays[left]))?;
         let log_odds = way + length_log_odds(&lengths[left], &lengths[back]);
-        // Who is rather new than he costs more than nobody and is in no best assignment.
+        // Whoever is more likely new costs more than nobody, and is in no best assignment.
         (log_odds > 0.0).then_some(-log_odds)
     };
     let row = |back: usize| -> Vec<f64> {
@@ -153,7 +153,7 @@ fn log_density(numbers: &[(f64, f64)], common: f64) -> f64 {
     -0.5 * (sum(&|_, variance| variance.ln()) + grown.ln() + square)
 }
 
-/// Log likelihood ratio of where somebody comes; `None` where he cannot have gone.
+/// Log likelihood ratio of where somebody comes; `None` where they cannot have gone.
 fn way_log_odds(left: &Stay, back: &Stay, fps: f64) -> Option<f64> {
     let frames = back.frames[0].checked_sub(left.frames[1]).filter(|frames| *frames > 0)?;
     let (seconds, [from, to]) = (frames as f64 / fps, [left.places[1], back.places[0]]);

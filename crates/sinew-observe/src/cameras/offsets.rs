@@ -21,8 +21,9 @@ use crate::cameras::camera::Camera;
 use crate::cameras::triangulate::{self, Refined, Seen, linear, refined};
 use crate::keypoints::keypoint_model::Detection;
 use nalgebra::{Matrix2x3, Matrix3};
+pub use sinew_core::estimators::median;
 
-/// The tracked person's keypoints in one frame: camera by camera, empty where he was not found.
+/// The tracked person's keypoints in one frame: camera by camera, empty where they were not found.
 pub type Sighted = Vec<Vec<Option<Detection>>>;
 
 /// How offsets are estimated.
@@ -73,17 +74,6 @@ impl CameraNoise {
     #[must_use]
     pub const fn without_offset(sigma_px: f64, usual_confidence: f64) -> Self {
         Self { offset_px: [0.0; 2], sigma_px, usual_confidence, residuals: 0 }
-    }
-}
-
-/// Median; NaN of nothing.
-#[must_use]
-pub fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    match values.len() {
-        0 => f64::NAN,
-        n if n % 2 == 1 => values[n / 2],
-        n => 0.5 * (values[n / 2 - 1] + values[n / 2]),
     }
 }
 

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! is linear in the τ, drifts ρ and b of all cameras together, so that one late camera does not make another look early; s is the time, −1 in the first frame and 1 in the last. The b are a keypoint's own for some seconds, and change evenly within them (`lag_regression`):
-//! of somebody who walks straight ahead, a lag and an offset look alike, and cameras that are not quite where their calibration says have other offsets wherever he is. It is the swing of his limbs that says how late a camera is. What is found is taken away, by interpolation between frames ([`crate::clocks::between_frames`]), and the rest is estimated again until nothing is left: V is constant over a few frames only, and velocities have errors. A lag common to all cameras is not
+//! of somebody who walks straight ahead, a lag and an offset look alike, and cameras that are not quite where their calibration says have other offsets wherever they are. It is the swing of their limbs that says how late a camera is. What is found is taken away, by interpolation between frames ([`crate::clocks::between_frames`]), and the rest is estimated again until nothing is left: V is constant over a few frames only, and velocities have errors. A lag common to all cameras is not
 //! seen: lags are those against the largest group of cameras that agree within half a frame, or against the first camera where all differ.
 //!
 //! A weak prior keeps what nothing determines at 0 with a standard deviation of `PRIOR_FRAMES`, and a drift of `PRIOR_PPM`; drifts are taken where one of them is certain.

@@ -7,11 +7,11 @@
 //! Robust weights (Cauchy's, Holland & Welsch 1977) are iterated. Standard deviations come from the jackknife over keypoints, in one step: a detector errs for some frames, and in the same pose, as it did before, so that only keypoints are independent; and the few that move
 //! most say most.
 
-use crate::association::median;
 use crate::cameras::camera::Camera;
 use crate::cameras::offsets::{self, CameraNoise, Sighted, point_from_views};
 use crate::clocks::point_velocity::{reach, two_velocities, velocity};
 use nalgebra::{DMatrix, DVector, Matrix2, Matrix2x3, Matrix3, Vector2, Vector3};
+use sinew_core::estimators::median;
 use std::collections::BTreeMap;
 
 /// Numbers of a camera: lag, in frames, and drift, in frames over half of the span.

@@ -14,7 +14,7 @@
 //! predicted pose when the frame is bound: s does not depend on the state.
 //!
 //! What a detector takes for something else ([`Mistakes`]) are components of the density: a pair of limbs whose sides it has exchanged ([`crate::keypoints::exchanged_limbs`]), and, beside the outlier floor, a keypoint of somebody else: with
-//! probability π it lies as his keypoints of that name do, `p = (1 − ε − π) core + ε/A + π e`, e their mean density at the detection.
+//! probability π it lies as their keypoints of that name do, `p = (1 − ε − π) core + ε/A + π e`, e their mean density at the detection.
 //!
 //! A missing keypoint drops out. A point behind a camera, or beyond the domain of its lens, counts as an outlier there: its floor (for Student t the density at 1000 s), gradient 0, so that one wrong
 //! camera cannot veto every pose.

@@ -1,15 +1,11 @@
 //! Where the contour of a silhouette is: a map from 0 to 1 that falls off within two pixels. The likelihood of the coarse-to-fine particle filter reads it.
 //!
-//! The silhouette S in {0, 1} is smoothed to G by a 5 x 5 Gaussian of σ = 1 px. G is 1/2 on the contour, so that
-//!
-//! - [`contour_map`] = 4 G (1 − G) is 1 there and 0 deep inside and outside. (The paper says only that the silhouette is smoothed, which is no map of edges.)
-//! - [`slope_map`] = |∇G| / max |∇G|, by central differences, is the alternative.
-//!
+//! The silhouette S in {0, 1} is smoothed to G by a 5 x 5 Gaussian of σ = 1 px. G is 1/2 on the contour, so that 4 G (1 − G) is 1 there and 0 deep inside
+//! and outside. (The paper says only that the silhouette is smoothed, which is no map of edges.)
 //! The border of the image is no contour: beyond it the silhouette continues.
 
 use crate::Map;
 use crate::silhouettes::bit_image::BitImage;
-use crate::silhouettes::edges::rescale;
 use crate::silhouettes::smoothing::{GaussianMask, smoothed};
 
 /// The mask that smooths a silhouette.
@@ -41,21 +37,6 @@ pub fn contour_map(silhouette: &BitImage) -> Map {
     map
 }
 
-/// |∇G| of the smoothed silhouette over its maximum; 0 everywhere without a contour.
-#[must_use]
-pub fn slope_map(silhouette: &BitImage) -> Map {
-    let Map { width, height, values } = smoothed_silhouette(silhouette);
-    let mut map = Map::from_fn(width, height, |x, y| {
-        let at = |x: usize, y: usize| values[y * width + x];
-        let across = at((x + 1).min(width - 1), y) - at(x.saturating_sub(1), y);
-        let down = at(x, (y + 1).min(height - 1)) - at(x, y.saturating_sub(1));
-        // Differences of rounded sums are no slope.
-        if across.abs().max(down.abs()) < 1e-6 { 0.0 } else { (across * across + down * down).sqrt() }
-    });
-    rescale(&mut map);
-    map
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -77,12 +58,11 @@ mod tests {
 
     #[test]
     fn the_contour_is_bright_and_all_else_dark() {
-        for map in [contour_map(&square()), slope_map(&square())] {
-            assert!(map.values.iter().all(|value| (0.0..=1.0).contains(value)));
-            for (x, y, least, most) in [(8, 12, 0.7, 1.0), (7, 12, 0.7, 1.0), (12, 12, 0.0, 1e-6), (2, 2, 0.0, 0.0)] {
-                let value = map.get(x, y).unwrap();
-                assert!((least..=most).contains(&value), "{value} at {x}, {y}");
-            }
+        let map = contour_map(&square());
+        assert!(map.values.iter().all(|value| (0.0..=1.0).contains(value)));
+        for (x, y, least, most) in [(8, 12, 0.7, 1.0), (7, 12, 0.7, 1.0), (12, 12, 0.0, 1e-6), (2, 2, 0.0, 0.0)] {
+            let value = map.get(x, y).unwrap();
+            assert!((least..=most).contains(&value), "{value} at {x}, {y}");
         }
     }
 
@@ -98,7 +78,6 @@ mod tests {
     fn neither_the_border_nor_an_empty_mask_has_a_contour() {
         for silhouette in [BitImage::new(12, 9), BitImage::from_fn(12, 9, |_, _| true)] {
             assert!(contour_map(&silhouette).values.iter().all(|value| *value < 1e-5));
-            assert!(slope_map(&silhouette).values.iter().all(|value| *value == 0.0));
         }
     }
 }

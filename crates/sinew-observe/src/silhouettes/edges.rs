@@ -3,11 +3,9 @@
 //! The gradient is Sobel's, divided by 8, of grey values in \[0, 1\]: a step from black to white has magnitude 1/2 on both its sides. Beyond the image the pixels
 //! of its border are repeated.
 //!
-//! - [`edge_map`] (Deutscher, Blake & Reid 2000): pixels above a threshold, smoothed with a Gaussian mask and rescaled to a maximum of 1.
-//! - [`edge_pixels`] and [`dilated`] (Husz, Wallace & Green 2007): pixels above a threshold, and those within a Chebyshev distance of one.
+//! [`edge_map`] (Deutscher, Blake & Reid 2000): pixels above a threshold, smoothed with a Gaussian mask and rescaled to a maximum of 1.
 
 use crate::Map;
-use crate::silhouettes::bit_image::BitImage;
 use crate::silhouettes::smoothing::{GaussianMask, smoothed};
 
 /// How an [`edge_map`] is made.
@@ -27,12 +25,6 @@ impl Default for Config {
     }
 }
 
-/// Threshold of [`edge_pixels`] of Husz, Wallace & Green, for grey values in \[0, 1\].
-pub const PART_THRESHOLD: f32 = 0.02;
-
-/// Distance of [`dilated`] within which an edge is found, pixels.
-pub const PART_REACH_PX: usize = 2;
-
 /// Magnitude of the gradient of a grey image, per pixel.
 #[must_use]
 pub fn gradient_magnitude(grey: &Map) -> Map {
@@ -47,38 +39,17 @@ pub fn gradient_magnitude(grey: &Map) -> Map {
     })
 }
 
-/// Pixels where the gradient reaches a threshold.
-#[must_use]
-pub fn edge_pixels(grey: &Map, threshold: f32) -> BitImage {
-    let magnitude = gradient_magnitude(grey);
-    BitImage::from_fn(grey.width, grey.height, |x, y| magnitude.values[y * grey.width + x] >= threshold)
-}
-
 /// Nearness to an edge, from 0 (none under the mask) to 1 (where there are most); 0 everywhere if there is none.
 #[must_use]
 pub fn edge_map(grey: &Map, config: &Config) -> Map {
     let mut map = gradient_magnitude(grey);
     map.values.iter_mut().for_each(|value| *value = f32::from(*value >= config.threshold));
     let mut map = smoothed(&map, config.mask);
-    rescale(&mut map);
-    map
-}
-
-/// Divides a map of values from 0 on by its maximum, if that is not 0.
-pub(crate) fn rescale(map: &mut Map) {
     let most = map.values.iter().copied().fold(0.0, f32::max);
     if most > 0.0 {
         map.values.iter_mut().for_each(|value| *value /= most);
     }
-}
-
-/// Pixels with a set one within a Chebyshev distance: in the square of 2r + 1 pixels about them.
-#[must_use]
-pub fn dilated(image: &BitImage, reach_px: usize) -> BitImage {
-    let (width, height) = (image.width(), image.height());
-    let along_rows =
-        BitImage::from_fn(width, height, |x, y| (x.saturating_sub(reach_px)..=x + reach_px).any(|x| image.get(x, y)));
-    BitImage::from_fn(width, height, |x, y| (y.saturating_sub(reach_px)..=y + reach_px).any(|y| along_rows.get(x, y)))
+    map
 }
 
 #[cfg(test)]
@@ -126,26 +97,5 @@ mod tests {
         assert!(row[15..20].is_sorted() && row[16] > 0.0 && row[15] == 0.0);
         let flat = edge_map(&Map::from_fn(10, 10, |_, _| 0.4), &Config::default());
         assert!(flat.values.iter().all(|value| *value == 0.0));
-    }
-
-    #[test]
-    fn dilation_finds_what_a_search_of_the_square_finds() {
-        let image = BitImage::from_fn(31, 17, |x, y| (x * 7 + y * 13) % 47 == 0);
-        for reach in 0..5_i32 {
-            let wide = dilated(&image, reach as usize);
-            for (x, y) in (0..17).flat_map(|y| (0..31).map(move |x| (x, y))) {
-                let square = (-reach..=reach).flat_map(|j| (-reach..=reach).map(move |i| (x + i, y + j)));
-                let wanted = square.into_iter().any(|(x, y)| x >= 0 && y >= 0 && image.get(x as usize, y as usize));
-                assert_eq!(wide.get(x as usize, y as usize), wanted, "{x}, {y}, {reach}");
-            }
-        }
-    }
-
-    #[test]
-    fn edges_are_where_the_gradient_reaches_the_threshold() {
-        let grey = noisy(20, 20);
-        let (edges, magnitude) = (edge_pixels(&grey, 0.1), gradient_magnitude(&grey));
-        assert!((0..20).all(|y| (0..20).all(|x| edges.get(x, y) == (magnitude.get(x, y).unwrap() >= 0.1))));
-        assert!(edges.count() > 0 && edges.count() < 400);
     }
 }

@@ -125,33 +125,33 @@ impl Spans {
     }
 }
 
-/// Sets the pixels that a convex polygon covers; corners in order, pixels, either way round. Polygons with a corner that is not finite cover nothing.
-pub fn fill_convex(image: &mut BitImage, corners: &[[f64; 2]], spans: &mut Spans) {
-    if corners.len() < 3 || !corners.iter().flatten().all(|x| x.is_finite()) {
-        return;
-    }
-    let rounded = |corner: &[f64; 2]| corner.map(|x| nearest(x.clamp(-FURTHEST, FURTHEST) * f64::from(PARTS)));
-    let mut corners: Vec<[i32; 2]> = corners.iter().map(rounded).collect();
-    let mut doubled_area = 0;
-    let mut before = corners[corners.len() - 1];
-    for corner in &corners {
-        let [[ax, ay], [bx, by]] = [before, *corner].map(|c| c.map(i64::from));
-        doubled_area += ax * by - ay * bx;
-        before = *corner;
-    }
-    if doubled_area > 0 {
-        corners.reverse();
-    }
-    spans.scan(&corners, image.width());
-    spans.draw(image);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
 
     const PARTS: i64 = super::PARTS as i64;
+
+    /// Sets the pixels that a convex polygon covers; corners in order, pixels, either way round. Polygons with a corner that is not finite cover nothing.
+    fn fill_convex(image: &mut BitImage, corners: &[[f64; 2]], spans: &mut Spans) {
+        if corners.len() < 3 || !corners.iter().flatten().all(|x| x.is_finite()) {
+            return;
+        }
+        let rounded = |corner: &[f64; 2]| corner.map(|x| nearest(x.clamp(-FURTHEST, FURTHEST) * PARTS as f64));
+        let mut corners: Vec<[i32; 2]> = corners.iter().map(rounded).collect();
+        let mut doubled_area = 0;
+        let mut before = corners[corners.len() - 1];
+        for corner in &corners {
+            let [[ax, ay], [bx, by]] = [before, *corner].map(|c| c.map(i64::from));
+            doubled_area += ax * by - ay * bx;
+            before = *corner;
+        }
+        if doubled_area > 0 {
+            corners.reverse();
+        }
+        spans.scan(&corners, image.width());
+        spans.draw(image);
+    }
 
     /// The rule itself: on the inner side of every edge, or on it where it is a left or a top one. Corners in multiples of 1/256 pixel, clockwise as seen.
     fn covers(corners: &[[i64; 2]], x: i64, y: i64) -> bool {

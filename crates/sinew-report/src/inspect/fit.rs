@@ -16,9 +16,9 @@ use sinew::input::recording::Recording;
 use sinew::input::roll::Roll;
 use sinew::setup::SetupError;
 use sinew::setup::{self, SetupRequest, clocks, collect};
-use sinew_observe::clocks::camera_lag::CameraLag;
 use sinew_observe::cameras::offsets::{self, Sighted};
 use sinew_observe::cameras::triangulate::{Seen, linear};
+use sinew_observe::clocks::camera_lag::CameraLag;
 use sinew_observe::{Camera, Detection, association};
 
 /// Frames looked at.

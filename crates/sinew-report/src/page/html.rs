@@ -1,22 +1,7 @@
 //! Text as HTML: escaped, in tables, and put into a template.
 
+pub use sinew_formats::xml_text::escaped;
 use std::fmt::Write as _;
-
-/// Text that stands for itself, also within quotes.
-pub fn escaped(text: &str) -> String {
-    let mut out = String::with_capacity(text.len());
-    for letter in text.chars() {
-        match letter {
-            '&' => out.push_str("&amp;"),
-            '<' => out.push_str("&lt;"),
-            '>' => out.push_str("&gt;"),
-            '"' => out.push_str("&quot;"),
-            '\'' => out.push_str("&#39;"),
-            other => out.push(other),
-        }
-    }
-    out
-}
 
 /// Text whose words between backquotes are code.
 pub fn with_code(text: &str) -> String {

@@ -10,8 +10,8 @@ use crate::support::chart::{BLUE, GREY, Line, Names, ORANGE, finish, panel_with}
 use crate::support::outcome::Outcome;
 use crate::support::store::Store;
 use plotters::prelude::*;
-use sinew_tests::evaluation::ranks;
 use sinew_analysis::validate::ObservationTally;
+use sinew_tests::evaluation::ranks;
 use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;

@@ -9,8 +9,8 @@ use crate::support::store::{Store, numbers};
 use serde_json::{Value, json};
 use sinew::body::{KinematicTree, hppf24};
 use sinew::dynamics::primitives::switching::Choice;
-use sinew_results::action_trace::{ActionTrace, PartActions, Shares, add_share};
 use sinew_report::inspect::action_picture;
+use sinew_results::action_trace::{ActionTrace, PartActions, Shares, add_share};
 
 /// The contender that is drawn, and its seed.
 const DRAWN: (Contender, u64) = (on(USUAL, Motion::Combo), 1);
