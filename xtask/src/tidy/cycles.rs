@@ -3,7 +3,7 @@
 //! A `mod` line alone is no arrow. A parent that uses or re-exports its child points at the child; a child that uses what its parent file defines points at the parent.
 //! A path through re-exports points at the file where the item lives, not at the files between.
 
-use super::modules::{Found, Kind, Mention, Module, Tree, read_crate, resolve};
+use super::modules::{Found, Mention, Module, Tree, read_crate, resolve};
 use super::workspace::{File, Violation, Workspace};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -13,13 +13,12 @@ type Arrows = BTreeMap<usize, BTreeMap<usize, BTreeSet<String>>>;
 /// Names of an arrow that a message lists.
 const LISTED_NAMES: usize = 3;
 
-/// Checks every crate of the workspace; a violation is known by the folder of its crate.
+/// Checks every crate of the workspace.
 pub fn check(workspace: &Workspace) -> Vec<Violation> {
     let files: BTreeMap<&str, &File> = workspace.files.iter().map(|file| (file.path.as_str(), file)).collect();
     let mut violations = Vec::new();
     for root in files.keys().filter(|path| is_root(path)) {
-        let folder = root.split_once("/src/").map_or(*root, |(folder, _)| folder);
-        violations.extend(cycles(&read_crate(&files, root)).into_iter().map(|cycle| cycle.known_as(folder)));
+        violations.extend(cycles(&read_crate(&files, root)));
     }
     violations
 }
@@ -67,20 +66,18 @@ fn arrows(tree: &Tree) -> Arrows {
                 arrows.entry(module.file).or_default().entry(to).or_default().insert(name.to_owned());
             }
         };
-        for mention in &module.mentions {
+        // A word alone may be a variable: it counts for what imports of all names bring.
+        let counts = |mention: &&Mention| match &mention.path[..] {
+            [word] if !mention.is_import => !module.globs.is_empty() && !module.names.contains_key(word),
+            _ => true,
+        };
+        for mention in module.mentions.iter().filter(counts) {
             match resolve(tree, number, &mention.path) {
                 Some(Found::Item(at, name)) => tie(at, &name),
                 Some(Found::Module(at)) if !is_taken_further(tree, number, mention, at) => {
                     tie(at, mention.path.last().map_or("", String::as_str));
                 }
                 _ => {}
-            }
-        }
-        if !module.globs.is_empty() {
-            for word in module.words.keys().filter(|word| !module.names.contains_key(*word)) {
-                if let Some(Found::Item(at, name)) = resolve(tree, number, std::slice::from_ref(word)) {
-                    tie(at, &name);
-                }
             }
         }
     }
@@ -95,7 +92,7 @@ fn is_taken_further(tree: &Tree, module: usize, mention: &Mention, imported: usi
         !first.is_empty() && resolve(tree, module, &first) == Some(Found::Module(imported))
     };
     let is_glob = tree.modules[module].globs.contains(&mention.path);
-    mention.kind == Kind::Import
+    mention.is_import
         && (is_glob || tree.modules.iter().filter(is_same_file).any(|other| other.mentions.iter().any(goes_through)))
 }
 
