@@ -1,6 +1,6 @@
 //! `cargo xtask study opensim`: our joint angles beside OpenSim's inverse kinematics on the same markers. The tables of docs/evidence/opensim.md.
 //!
-//! The program tracks a recording; `xtask/peers/opensim_ik.py` scales Pose2Sim's OpenSim model by the run's `markers.trc` and fits it to them. Python packages are installed, pinned, into an environment of the study's folder.
+//! The program tracks a recording; `crates/sinew-studies/peers/opensim_ik.py` scales Pose2Sim's OpenSim model by the run's `markers.trc` and fits it to them. Python packages are installed, pinned, into an environment of the study's folder.
 
 mod compared;
 
@@ -93,7 +93,7 @@ fn succeeded(command: &mut Command) -> Outcome<()> {
 impl Python {
     /// Makes the environment, unless one with the same requirements is there.
     fn installed(root: &Path, folder: &Path, python: &Path) -> Outcome<Self> {
-        let peers = root.join("xtask/peers");
+        let peers = root.join("crates/sinew-studies/peers");
         let requirements = peers.join("opensim_requirements.txt");
         let (place, wanted) = (folder.join("environment"), fs::read_to_string(&requirements)?);
         let (program, stamp) = (place.join("bin/python"), place.join("requirements.txt"));
