@@ -9,6 +9,7 @@ mod queue;
 
 use crate::support::outcome::{Outcome, exit_code};
 use crate::support::program::{Program, built, shown};
+use crate::support::statistics::verdict;
 use keypoint_tables::write_keypoints;
 use serde_json::Value;
 use sinew::core::random::Stage;
@@ -151,7 +152,7 @@ fn study(program: &Program, trials: &Path, study: &Path, name: &str, flags: &[&s
         "| {name} | {} | {:.1} | {overhead:.1} | {tenth:.0} | {last:.0} | {plan_s:.1} | {gather_s:.1} | {run_s:.0} | {} |",
         lines.len(),
         a_trial(computing_s),
-        if holds { "held" } else { "**missed**" }
+        verdict(holds)
     ))
 }
 

@@ -10,7 +10,8 @@ mod shifted;
 
 use crate::support::outcome::{Outcome, exit_code};
 use crate::support::program::{self, Program};
-use measures::{inside, rms};
+use crate::support::statistics::rms;
+use measures::inside;
 use recorded::{Clocks, Walk};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

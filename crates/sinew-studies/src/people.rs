@@ -6,6 +6,7 @@ mod recorded;
 
 use crate::support::outcome::{Outcome, exit_code};
 use crate::support::program::{self, Program, shown};
+use crate::support::statistics::with_error;
 use sinew::formats::calib_toml;
 use sinew::formats::openpose::Keypoint;
 use sinew::input::limbs::{limbs, paired_limbs};
@@ -161,9 +162,7 @@ const NAMES: [&str; 2] = ["ours", "usual recipe"];
 /// Mean over crowds with its standard error.
 fn mean(all: &[[Counted; 2]], method: usize, value: &dyn Fn(&Counts) -> f64) -> String {
     let values: Vec<f64> = all.iter().map(|found| value(&found[method].counts)).collect();
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let square = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
-    format!("{mean:.1} ± {:.1}", (square / (values.len() as f64 - 1.0).max(1.0) / values.len() as f64).sqrt())
+    with_error(&values, 1)
 }
 
 fn share(part: usize, counts: &Counts) -> f64 {

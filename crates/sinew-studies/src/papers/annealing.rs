@@ -25,7 +25,7 @@ mod walk;
 
 use crate::support::outcome::Outcome;
 use crate::support::store::Store;
-use crate::support::study_options::StudyOptions;
+use crate::support::study_options::{StudyOptions, no_recordings};
 use film::{Film, Row};
 use serde_json::json;
 use sinew::core::lanes::Isa;
@@ -58,6 +58,9 @@ pub(super) struct Args {
 pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let clock = Instant::now();
     let data = args.options.data(root);
+    if !data.join("cmu_amc").is_dir() {
+        println!("{}", no_recordings(&data));
+    }
     let walks = Walks::new(&data)?;
     let mut size = if args.quick { Size::quick() } else { Size::full() };
     let name = if args.quick { "reproduce/annealing-quick" } else { "reproduce/annealing" };

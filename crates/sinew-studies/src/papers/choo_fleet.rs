@@ -177,11 +177,7 @@ impl Run<'_> {
 
 /// Runs the command.
 pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
-    let data = args.options.data(root);
-    if !data.join("cmu_amc").is_dir() {
-        println!("skipped: no data in {}", data.display());
-        return Ok(ExitCode::SUCCESS);
-    }
+    let data = args.options.recordings(root)?;
     let clock = Instant::now();
     let size = if args.quick { Size::quick() } else { Size::full() };
     let name = if args.quick { "reproduce/choo-fleet-quick" } else { "reproduce/choo-fleet" };

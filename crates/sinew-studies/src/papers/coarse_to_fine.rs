@@ -28,7 +28,7 @@ mod track;
 
 use crate::support::outcome::Outcome;
 use crate::support::store::Store;
-use crate::support::study_options::StudyOptions;
+use crate::support::study_options::{StudyOptions, no_recordings};
 use contender::{Contender, READINGS, Reading};
 use results::{Estimate, Results, mean};
 use scene::{FRAMES, Scene, Tracked};
@@ -134,10 +134,11 @@ fn truth_is_most_precise(store: &Store, group: &Group) -> Outcome<bool> {
 /// Runs the command.
 pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let clock = Instant::now();
-    let data = args.options.data(root).join("cmu_amc");
-    let recordings = data.is_dir().then_some(data.as_path());
+    let data = args.options.data(root);
+    let folder = data.join("cmu_amc");
+    let recordings = folder.is_dir().then_some(folder.as_path());
     if recordings.is_none() {
-        println!("no recordings in {}: the synthetic sequence is used", data.display());
+        println!("{}", no_recordings(&data));
     }
     let (name, which) = match (args.quick, args.pilot) {
         (true, _) => ("reproduce/coarse-to-fine-quick", Tracked::Test),

@@ -17,6 +17,14 @@ pub(crate) struct StudyOptions {
     pub(crate) data: Option<PathBuf>,
 }
 
+/// What is missing, where it comes from, and what runs without it.
+pub(crate) fn no_recordings(data: &Path) -> String {
+    format!(
+        "no folder cmu_amc in {}: it holds trials of the CMU Graphics Lab Motion Capture Database (mocap.cs.cmu.edu), each as NN.asf and NN_MM.amc; docs/evidence lists them. Set SINEW_DATA, or give --data, to the folder around it. Without it `reproduce annealing` and `reproduce coarse-to-fine` run, on a synthetic walk",
+        data.display()
+    )
+}
+
 impl StudyOptions {
     /// What stands where no command line says otherwise.
     pub(crate) fn usual() -> Self {
@@ -48,7 +56,7 @@ impl StudyOptions {
         let data = self.data(root);
         match data.join("cmu_amc").is_dir() {
             true => Ok(data),
-            false => Err(format!("no recordings in {}: the study learns from them", data.display()).into()),
+            false => Err(no_recordings(&data).into()),
         }
     }
 }
