@@ -13,7 +13,7 @@ use sinew::input::recording::{Recording, RecordingOptions};
 use sinew::methods::{bootstrap, hmc};
 use sinew::observe::Noise;
 use sinew::observe::association::Person;
-use sinew_motion::points::Trajectories;
+use sinew_body::points::Trajectories;
 use sinew_tests::evaluation::{self, LIMB_JOINTS, LeftOut, PixelErrors, Run, Track};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

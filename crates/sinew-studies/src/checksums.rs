@@ -87,13 +87,12 @@ fn found(program: &Program, data: &Path, only: Option<&str>) -> Outcome<BTreeMap
             .current_dir(folder)
             .env("SINEW_SIMD", "avx2")
             .output()?;
-        let code = ran.status.code();
-        if !code.is_some_and(|code| WRITTEN.contains(&code)) {
-            let said = String::from_utf8_lossy(&ran.stderr);
-            return Err(format!("{name}: sinew {arguments}: exit code {code:?}\n{said}").into());
+        let code = ran.status.code().unwrap_or(-1);
+        if !WRITTEN.contains(&code) {
+            eprintln!("sinew {arguments}\n{}", String::from_utf8_lossy(&ran.stderr));
         }
-        eprintln!("{name}: exit code {}", code.unwrap_or(-1));
-        sums.insert(format!("{name}\texit code"), format!("{}", code.unwrap_or(-1)));
+        eprintln!("{name}: exit code {code}");
+        sums.insert(format!("{name}\texit code"), code.to_string());
         // What tracking says has times in it.
         if !["track ", "demo "].iter().any(|timed| arguments.starts_with(timed)) {
             let said = placed(ran.stdout, &folders);

@@ -1,6 +1,6 @@
 //! `cargo xtask study people`: are several people found, kept apart, and known again? The tables of docs/evidence/people.md.
 //!
-//! Crowds of [`sinew_simulate::crowd`], with their truth; beside the tracker's own association ([`sinew::observe::identities`]) the usual recipe ([`sinew_tests::evaluation::ray_association`]). Both get the same detections, and points are triangulated alike. Speeds are the program's, from files.
+//! Crowds of [`sinew_simulate::crowd`], with their truth; beside the tracker's own association ([`sinew::observe::association::identities`]) the usual recipe ([`sinew_tests::evaluation::ray_association`]). Both get the same detections, and points are triangulated alike. Speeds are the program's, from files.
 
 mod recorded;
 
@@ -12,8 +12,8 @@ use sinew::formats::openpose::Keypoint;
 use sinew::input::limbs::{limbs, paired_limbs};
 use sinew::input::roll::LEAST_S;
 use sinew::observe::Detection;
+use sinew::observe::association::identities::{Identities, Named};
 use sinew::observe::association::{Config, Person, triangulated};
-use sinew::observe::identities::{Identities, Named};
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::crowd::{Crowd, CrowdNoise, CrowdRecording};
 use sinew_simulate::crowd_absence::Absences;
@@ -123,11 +123,11 @@ fn lasting(tracks: Vec<Track>, rate_hz: f64) -> Vec<Track> {
 
 /// True tracks in the order of the layout.
 fn truth(recording: &CrowdRecording) -> Vec<Track> {
-    let points = |person: &sinew_motion::points::Trajectories, frame: &Vec<[f64; 3]>| {
+    let points = |person: &sinew_body::points::Trajectories, frame: &Vec<[f64; 3]>| {
         let place = |name: &Option<String>| name.as_deref().and_then(|name| person.index(name)).map(|k| frame[k]);
         recording.layout.points.iter().map(place).collect()
     };
-    let track = |(person, away): (&sinew_motion::points::Trajectories, &Range<usize>)| {
+    let track = |(person, away): (&sinew_body::points::Trajectories, &Range<usize>)| {
         let at = |(number, frame)| (!away.contains(&number)).then(|| points(person, frame));
         person.frames.iter().enumerate().map(at).collect()
     };

@@ -8,17 +8,18 @@
 //! - root mean square error over root mean square standard deviation of the points of `joints.csv`, last 1000 frames against the first: at most 1.2 times.
 
 use crate::support::statistics::{median, verdict};
+use sinew::Error;
 use sinew::config::{Sources, resolve};
 use sinew::formats::Layout;
 use sinew::input::in_memory::InMemory;
 use sinew::input::source::FrameSource;
 use sinew::observe::Camera;
 use sinew::observe::association::Person;
-use sinew::results::claim;
 use sinew::track::job;
 use sinew::track::job::{RunPhase, Watch};
-use sinew::{Error, RecordingError};
-use sinew_motion::points::Trajectories;
+use sinew_body::points::Trajectories;
+use sinew_input::Error as InputError;
+use sinew_results::claim;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::simulated_source::source;
 use std::collections::BTreeMap;
@@ -76,7 +77,7 @@ impl FrameSource for ToAndFro {
     fn frames(&self) -> Range<u64> {
         0..self.frames
     }
-    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, RecordingError> {
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, InputError> {
         self.walk.people(self.played(number))
     }
 }

@@ -24,7 +24,7 @@ const TERMINAL: Reach = Reach {
 
 const POOLS: Reach = Reach {
     shown_by: &[("ThreadPoolBuilder", "sets up a thread pool")],
-    may: &["sinew-cli", "sinew-studies", "sinew", "sinew-batch", "sinew-runs"],
+    may: &["sinew-cli", "sinew-studies", "sinew", "sinew-batch"],
 };
 
 const INPUT_AND_OUTPUT: Reach = Reach {
@@ -49,16 +49,12 @@ const INPUT_AND_OUTPUT: Reach = Reach {
         "sinew-batch",
         "sinew-cli",
         "sinew-input",
-        "sinew-laboratory",
         "sinew-motion",
         "sinew-python",
-        "sinew-recording",
         "sinew-report",
         "sinew-results",
-        "sinew-runs",
         "sinew-setup",
         "sinew-studies",
-        "sinew-tools",
     ],
 };
 

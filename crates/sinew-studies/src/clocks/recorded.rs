@@ -5,7 +5,7 @@
 use crate::support::outcome::Outcome;
 use sinew::core::random::Stage;
 use sinew::formats::calib_toml;
-use sinew_motion::points::{Trajectories, points_of_states};
+use sinew_body::points::{Trajectories, points_of_states};
 use sinew_simulate::calibration_error::{CalibrationError, as_they_are};
 use sinew_simulate::detector::{DetectorNoise, detect};
 use sinew_simulate::recording::{body_25b, keypoint_files, write_trc};

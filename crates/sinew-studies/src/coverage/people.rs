@@ -5,8 +5,8 @@
 use crate::support::outcome::Outcome;
 use sinew::body::{KinematicTree, Proportions};
 use sinew::formats::{amc, asf};
+use sinew_body::points::{Trajectories, points_of_states};
 use sinew_motion::cmu;
-use sinew_motion::points::{Trajectories, points_of_states};
 use sinew_motion::retarget::retarget;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use std::path::Path;

@@ -11,7 +11,7 @@ use sinew::observe::Noise;
 use sinew::setup::{self, Setup};
 use sinew::track::Doubt;
 use sinew::tracking::bootstrap;
-use sinew_motion::points::Trajectories;
+use sinew_body::points::Trajectories;
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};

@@ -9,10 +9,10 @@ use crate::support::program::Program;
 use serde_json::{Value, json};
 use sinew::body::Proportions;
 use sinew::body::standard::h32;
+use sinew_motion::convert::recorded_joints;
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
-use sinew_tools::motion::recorded_joints;
 use std::path::Path;
 
 /// The walks, by the ends of their names.

@@ -3,7 +3,7 @@
 //! *Contacts* are where the load of a foot begins and ends in the generator. *Extrema* are the plain largest and smallest of a thousand points a second, of the noise-free heel and toe relative to the hips along the direction in which he is known to walk. Feet stand where their heel is at [`FLAT_PHASE`]. Of recorded motion ([`recorded`]) extrema are the plain ones among the frames, with a parabola through three of them.
 
 use crate::support::outcome::Outcome;
-use sinew_motion::points::{Trajectories, points_of_states};
+use sinew_body::points::{Trajectories, points_of_states};
 use sinew_simulate::walker::{DOUBLE_SUPPORT, Walker, phase, walker_states};
 
 /// Points a second.

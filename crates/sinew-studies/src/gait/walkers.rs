@@ -6,13 +6,13 @@ use crate::support::program::{Program, shown};
 use serde_json::{Map, Value, json};
 use sinew::core::random::Stage;
 use sinew::formats::tidy_csv::{Cells, read_cells};
-use sinew_motion::points::points_of_states;
+use sinew_analysis::gait::PARAMETERS;
+use sinew_body::points::points_of_states;
 use sinew_simulate::adult;
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_simulate::walker::{Gait, Walker, walker_states};
-use sinew_tools::gait::PARAMETERS;
 use std::path::{Path, PathBuf};
 
 /// Seconds of a recording.

@@ -1,7 +1,7 @@
 //! Draws of a run, from its `posterior.zarr`, and where truths lie among them.
 
 use crate::support::outcome::Outcome;
-use sinew_tools::predict;
+use sinew::predict;
 use std::path::Path;
 
 /// A variable: numbers of each draw and frame.

@@ -11,13 +11,13 @@ use sinew::formats::{amc, asf};
 use sinew::latent::file::{LatentKind, StoredModel};
 use sinew::latent::gpdm;
 use sinew::latent::training::{self, Training};
+use sinew_body::points::Trajectories;
 use sinew_motion::cmu;
 use sinew_motion::follow::NamedBody;
-use sinew_motion::points::Trajectories;
+use sinew_motion::learn::features::{feature_vectors, pose_coordinates};
+use sinew_motion::learn::selection::{ChosenRows, first_phases, middles};
+use sinew_motion::learn::sequences::{Acclaim, Sequences, sequences};
 use sinew_motion::retarget::retarget;
-use sinew_tools::learn::features::{feature_vectors, pose_coordinates};
-use sinew_tools::learn::selection::{ChosenRows, first_phases, middles};
-use sinew_tools::learn::sequences::{Acclaim, Sequences, sequences};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

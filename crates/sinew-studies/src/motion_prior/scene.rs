@@ -9,7 +9,7 @@ use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::settings::Settings;
 use sinew::dynamics::random_walk::Between;
 use sinew::setup::Setup;
-use sinew_motion::points::Trajectories;
+use sinew_body::points::Trajectories;
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::evaluation::{self, Filtered, Track, ranks};

@@ -4,8 +4,8 @@
 
 use crate::support::outcome::Outcome;
 use sinew::formats::{amc, asf};
+use sinew_body::points::Trajectories;
 use sinew_motion::cmu;
-use sinew_motion::points::Trajectories;
 use sinew_simulate::combo::{Sequence, Trial, combo, comfortable_radius_m};
 use std::path::Path;
 

@@ -5,7 +5,7 @@
 
 use super::masked_scene::Scene;
 use crate::support::statistics::mean;
-use sinew_motion::points::{Trajectories, points_of_states};
+use sinew_body::points::{Trajectories, points_of_states};
 use sinew_tests::evaluation::joint_errors::joint_errors_mm;
 
 const PELVIS: &str = "MidHip";
@@ -49,7 +49,7 @@ fn limbs_mm(found: &Trajectories, truth: &Trajectories) -> Vec<f64> {
     let [found, truth] = [found, truth].map(|points| points.select(&names));
     let from_pelvis = |frame: &[[f64; 3]], k: usize| [0, 1, 2].map(|i| frame[k][i] - frame[0][i]);
     let frame = |(a, b): (&Vec<[f64; 3]>, &Vec<[f64; 3]>)| {
-        let joint = |k: usize| sinew_motion::points::distance(from_pelvis(a, k), from_pelvis(b, k));
+        let joint = |k: usize| sinew_body::points::distance(from_pelvis(a, k), from_pelvis(b, k));
         1e3 * (1..a.len()).map(joint).sum::<f64>() / LIMBS.len() as f64
     };
     found.frames.iter().zip(&truth.frames).map(frame).collect()

@@ -6,7 +6,7 @@
 use sinew::angles::{Convention, JointAngles};
 use sinew::body::{KinematicTree, Proportions, standard};
 use sinew::formats::rotation::{about_axis, product};
-use sinew::results::pose;
+use sinew_setup::posed_body::pose;
 use std::error::Error;
 use std::fmt::Write as _;
 

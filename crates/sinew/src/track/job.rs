@@ -33,7 +33,6 @@ use super::pipeline::Pipeline;
 use crate::Error;
 use crate::config::Resolved;
 use crate::input::source::FrameSource;
-use crate::results::{Claim, ResultFolder};
 use crate::setup::shared_cameras::CameraInformation;
 use backward::smoothed;
 use begin::{Begun, begun, resumed};
@@ -43,6 +42,7 @@ use forward::forward;
 use inputs::{Hashes, Inputs, file_hashes};
 use keeper::Keeper;
 use run_info::run_info;
+use sinew_results::{Claim, ResultFolder};
 use std::ops::Range;
 
 /// A set-up that was made alone.
@@ -72,7 +72,7 @@ pub fn set_up<S: FrameSource>(source: &mut S, resolved: &Resolved, watch: &mut W
 /// `inputs` gives the warnings of the source and the hashes of what was read of it so far.
 ///
 /// # Errors
-/// Errors of the source, the set-up, the tracker and the disk; [`Error::Checkpoint`] where the run that was stopped is another one.
+/// Errors of the source, the set-up, the tracker and the disk; [`sinew_results::Error::Checkpoint`] where the run that was stopped is another one.
 pub fn track<S: FrameSource>(
     source: &mut S,
     setup_frames: Range<u64>,
@@ -97,7 +97,7 @@ pub fn track<S: FrameSource>(
     let mut pipeline =
         Pipeline::with_images(&setup, &tree, &cameras, source.layout(), settings.clone(), image_cameras.as_deref())?;
     match &checkpoint.pipeline {
-        Some(state) => pipeline.restore(state).map_err(|problem| Error::checkpoint(&folder, problem))?,
+        Some(state) => pipeline.restore(state).map_err(|problem| sinew_results::Error::checkpoint(&folder, problem))?,
         None => ResultFolder::forget(&claim)?,
     }
     let (frames, before) = (source.frames(), checkpoint.done);

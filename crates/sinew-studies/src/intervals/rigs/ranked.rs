@@ -8,11 +8,11 @@ use crate::support::outcome::Outcome;
 use crate::support::program::Program;
 use crate::support::statistics::mean;
 use serde_json::{Map, Value, json};
-use sinew::observe::camera_error::PRINCIPAL_POINT;
+use sinew::observe::cameras::camera_error::PRINCIPAL_POINT;
+use sinew::predict::predict;
 use sinew::setup::{MeasuredErrors, Setup};
-use sinew_motion::points::points_of_states;
+use sinew_body::points::points_of_states;
 use sinew_tests::drawn_rig::{FRAMES, RATE_HZ, Rig, USED, truth};
-use sinew_tools::predict::predict;
 use std::ops::Range;
 use std::path::Path;
 

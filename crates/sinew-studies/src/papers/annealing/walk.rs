@@ -5,9 +5,9 @@
 use crate::support::outcome::Outcome;
 use sinew::body::{KinematicTree, hppf24};
 use sinew::files::{FNV_START, fnv};
+use sinew_body::points::{Trajectories, points_of_states};
 use sinew_motion::damped_fit::{self, MotionFollowing};
 use sinew_motion::hppf24_scale::{self, Scale};
-use sinew_motion::points::{Trajectories, points_of_states};
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tests::evaluation::joint_errors::joint_errors_mm;
 use sinew_tests::recorded_motion::recorded;

@@ -1,7 +1,7 @@
 //! Who is compared: the paper's settings, its opponent, and those beside them.
 
 use super::girth::Thickness;
-use sinew::observe::image_score::ImageScore;
+use sinew::observe::silhouettes::image_score::ImageScore;
 use sinew::tracking::coarse_to_fine::Judging;
 use sinew_simulate::segmentation_noise::Level;
 

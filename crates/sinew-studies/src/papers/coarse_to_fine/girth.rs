@@ -8,8 +8,8 @@
 use crate::support::outcome::Outcome;
 use sinew::body::KinematicTree;
 use sinew::body::hppf24;
-use sinew::observe::girth::{Girth, Sight, before_cameras, fit_girth, mask_overlap};
-use sinew_motion::points::Trajectories;
+use sinew::observe::silhouettes::girth::{Girth, Sight, before_cameras, fit_girth, mask_overlap};
+use sinew_body::points::Trajectories;
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::Level;

@@ -7,7 +7,7 @@ use super::study::Group;
 use crate::papers::claim::Claim;
 use crate::support::outcome::Outcome;
 use serde_json::json;
-use sinew::observe::girth::Girth;
+use sinew::observe::silhouettes::girth::Girth;
 use sinew_simulate::segmentation_noise::Level;
 use std::fmt::Write as _;
 

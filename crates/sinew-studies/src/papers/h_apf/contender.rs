@@ -3,7 +3,7 @@
 use super::motions::{BOTH_RATES, RECOVERED, TEST_RUNS, TEST_WALKS, test};
 use crate::papers::masked_scene::View;
 use crate::papers::seed_results::Keyed;
-use sinew::observe::image_score::ImageScore;
+use sinew::observe::silhouettes::image_score::ImageScore;
 
 /// What tracks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -18,7 +18,7 @@ use sinew::core::density::LogDensity as _;
 use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;
 use sinew::latent::space::INVERSE_STEPS;
-use sinew::observe::image_score::ImageScore;
+use sinew::observe::silhouettes::image_score::ImageScore;
 use sinew_simulate::segmentation_noise::Level;
 use std::f64::consts::TAU;
 use std::fmt::Write as _;

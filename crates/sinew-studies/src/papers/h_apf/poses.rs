@@ -6,7 +6,7 @@ use super::study::Study;
 use crate::support::chart::{Area, BLUE, GREY, finish};
 use crate::support::outcome::Outcome;
 use plotters::prelude::*;
-use sinew_motion::points::{Trajectories, points_of_states};
+use sinew_body::points::{Trajectories, points_of_states};
 use std::path::Path;
 
 /// Motions that are drawn, all with this seed.

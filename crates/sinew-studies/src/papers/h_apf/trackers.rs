@@ -14,7 +14,7 @@ use sinew::dynamics::random_walk::{Between, RandomWalk};
 use sinew::latent::motion::{LatentMotion, StepNoise, step_sd};
 use sinew::latent::space::Below;
 use sinew::latent::tree::hierarchy_with_steps;
-use sinew::observe::image_likelihood::ImageLikelihood;
+use sinew::observe::silhouettes::image_likelihood::ImageLikelihood;
 use sinew::samplers::annealed_search;
 use sinew::tracking::{Tracker, annealed, bootstrap, gpapf, h_apf};
 use std::sync::Arc;

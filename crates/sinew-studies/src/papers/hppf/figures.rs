@@ -9,8 +9,8 @@ use crate::support::store::{Store, numbers};
 use serde_json::{Value, json};
 use sinew::body::{KinematicTree, hppf24};
 use sinew::dynamics::primitives::switching::Choice;
-use sinew_tools::action_trace::{ActionTrace, PartActions, Shares, add_share};
-use sinew_tools::inspect::action_picture;
+use sinew_report::inspect::action_picture;
+use sinew_results::action_trace::{ActionTrace, PartActions, Shares, add_share};
 
 /// Motions that are drawn, the second in the reduced size, of the usual tracker with this seed.
 const DRAWN: [Motion; 2] = [Motion::Combo, Motion::Walk];

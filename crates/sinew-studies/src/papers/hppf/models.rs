@@ -11,7 +11,7 @@ use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::dynamics::primitives::windows::subsampled;
 use sinew::files::{FNV_START, fnv};
 use sinew_motion::follow::{NamedBody, follow};
-use sinew_tools::learn::features::feature_vectors;
+use sinew_motion::learn::features::feature_vectors;
 use std::path::Path;
 
 /// Training motion as states of the body.

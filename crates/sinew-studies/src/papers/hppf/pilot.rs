@@ -17,7 +17,7 @@ use sinew::core::lanes::{Block, Isa};
 use sinew::core::random::Stage;
 use sinew::dynamics::level_walk::LevelPrimitives;
 use sinew::dynamics::primitives::model::PrimitiveModel;
-use sinew::observe::image_likelihood::ImageLikelihood;
+use sinew::observe::silhouettes::image_likelihood::ImageLikelihood;
 use sinew::tracking::Tracker as _;
 use sinew::tracking::hppf::{self, Hppf};
 use sinew_motion::follow::NamedBody;

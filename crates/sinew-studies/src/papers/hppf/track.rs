@@ -19,12 +19,12 @@ use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::dynamics::primitives::motion::PrimitiveMotion;
 use sinew::dynamics::random_walk::{Between, RandomWalk};
 use sinew::observe::Camera;
-use sinew::observe::image_likelihood::ImageLikelihood;
+use sinew::observe::silhouettes::image_likelihood::ImageLikelihood;
 use sinew::samplers::annealed_search;
 use sinew::samplers::levels::Selection;
 use sinew::samplers::resample::Truncation;
 use sinew::tracking::{Tracker, annealed, bootstrap, hppf, partitioned};
-use sinew_motion::points::{Trajectories, points_of_states};
+use sinew_body::points::{Trajectories, points_of_states};
 
 /// First coordinate that is an angle.
 const FIRST_ANGLE: usize = 3;

@@ -20,7 +20,7 @@ use crate::track::error::TrackError;
 use crate::track::step_size::tune;
 use crate::{Error, bodies, files};
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
-use sinew_recording::Problems;
+use sinew_input::Problems;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -95,7 +95,7 @@ pub(super) fn resumed<'a, S: FrameSource>(
     folder: &Path,
     watch: &mut Watch<'_>,
 ) -> Result<Begun<'a, S>, Error> {
-    let refused = |problem| Error::checkpoint(folder, problem);
+    let refused = |problem| sinew_results::Error::checkpoint(folder, problem);
     checkpoint.check_settings(&resolved.numeric_settings(), settings.isa.name()).map_err(refused)?;
     let setup = Setup::from_toml("setup.toml of the checkpoint", &checkpoint.setup_toml)?;
     let mut source = Upright::new(source, &setup.world_up);

@@ -6,9 +6,9 @@ use super::watch::{RunPhase, Watch};
 use crate::Error;
 use crate::config::Resolved;
 use crate::input::source::FrameSource;
-use crate::results::problem::Problem;
 use crate::track::checkpoint::Checkpoint;
 use serde_json::Value;
+use sinew_results::problem::Problem;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
@@ -38,7 +38,7 @@ fn replay<S: FrameSource>(source: &mut S, set_up: Range<u64>, watch: &mut Watch<
 /// Reads all frames of a source again, and refuses a `summary.json` of other settings, another instruction set, other frames or other data; `inputs` gives the hashes of what was read of the source so far.
 ///
 /// # Errors
-/// [`Error::Checkpoint`] with all that differs; errors of the source; [`Error::Interrupted`].
+/// [`sinew_results::Error::Checkpoint`] with all that differs; errors of the source; [`Error::Interrupted`].
 pub fn check_complete<S: FrameSource>(
     source: &mut S,
     setup_frames: Range<u64>,
@@ -48,9 +48,9 @@ pub fn check_complete<S: FrameSource>(
     watch: &mut Watch<'_>,
     inputs: impl Fn(&S) -> Hashes,
 ) -> Result<(), Error> {
-    let refused = |problem| Error::checkpoint(folder, problem);
+    let refused = |problem| sinew_results::Error::checkpoint(folder, problem);
     let Some(end) = Ended::of(summary) else {
-        return Err(refused(Problem::Summary));
+        return Err(refused(Problem::Summary).into());
     };
     let run = Checkpoint {
         settings: Resolved::numeric_settings_in(&summary["settings"]),
@@ -70,7 +70,7 @@ pub fn check_complete<S: FrameSource>(
     replay(source, set_up, watch)?;
     let mut hashes = inputs(source);
     hashes.extend(file_hashes(resolved)?);
-    run.check_inputs(&hashes, &frames).map_err(refused)
+    Ok(run.check_inputs(&hashes, &frames).map_err(refused)?)
 }
 
 /// What a summary says of the run that ended.

@@ -3,10 +3,10 @@
 use super::inputs::{Hashes, Inputs};
 use crate::Error;
 use crate::config::TrackConfig;
-use crate::results::{Ending, ResultFolder, Summary};
 use crate::setup::{MeasuredColours, MeasuredGirth};
 use crate::track::pipeline::Pipeline;
 use sinew_body::KinematicTree;
+use sinew_results::{Ending, ResultFolder, Summary};
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -91,14 +91,14 @@ impl Finish {
         clock: &Clock,
     ) -> Result<Summary, Error> {
         let warnings = inputs.warnings(source).into_iter().chain(self.warnings).chain(pipeline.warnings());
-        results.finish(&Ending {
+        Ok(results.finish(&Ending {
             complete: self.complete,
             warnings: distinct(warnings),
             input_hashes: inputs.hashes(source),
             coverage: pipeline.coverage().to_vec(),
             limits: config.limits,
             timings: clock.timings(self.before, self.done),
-        })
+        })?)
     }
 }
 

@@ -6,8 +6,8 @@ use super::watch::{RunPhase, Watch};
 use crate::Error;
 use crate::input::source::FrameSource;
 use crate::input::upright::Upright;
-use crate::results::estimate::FrameEstimate;
 use crate::track::pipeline::{KeepFrames, Pipeline};
+use sinew_results::estimate::FrameEstimate;
 use sinew_tracking::posterior::Posterior;
 use std::ops::ControlFlow;
 

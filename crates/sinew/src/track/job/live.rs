@@ -21,9 +21,9 @@ use super::watch::Watch;
 use crate::Error;
 use crate::config::Resolved;
 use crate::input::source::FrameSource;
-use crate::results::estimate::{FrameEstimate, RunInfo};
-use crate::results::{Claim, ResultFolder};
 use crate::track::pipeline::{KeepFrames, Pipeline};
+use sinew_results::estimate::{FrameEstimate, RunInfo};
+use sinew_results::{Claim, ResultFolder};
 use sinew_tracking::posterior::Posterior;
 use std::ops::Range;
 
