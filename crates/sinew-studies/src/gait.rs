@@ -7,10 +7,10 @@ mod truth;
 mod walkers;
 
 use crate::support::outcome::{Outcome, exit_code};
-use crate::support::program::{self, Program};
+use crate::support::program::Program;
 use crate::support::statistics::{mean, rms, with_error};
 use crate::support::store::{Store, Task, numbers, rows, run_all};
-use crate::support::study_options::StudyOptions;
+use crate::support::study_options::{ProgramOptions, threads};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -26,11 +26,11 @@ pub(crate) struct Args {
     /// Seed of the first; windows and thresholds were chosen on seeds 1 to 10
     #[arg(long, default_value_t = 101)]
     first: u64,
-    /// The program `sinew` [default: it is built]
+    /// Cells that run at a time, one thread each [default: one a processor]
     #[arg(long)]
-    program: Option<PathBuf>,
+    threads: Option<usize>,
     #[command(flatten)]
-    options: StudyOptions,
+    options: ProgramOptions,
 }
 
 /// Raised with every change of what a cell computes.
@@ -178,12 +178,8 @@ fn tables(store: &Store, seeds: Range<u64>) -> String {
 }
 
 fn measure(root: &Path, args: &Args) -> Outcome<()> {
-    let folder = args.options.folder(root, "gait")?;
-    let path = match &args.program {
-        Some(path) => path.clone(),
-        None => program::built(root)?,
-    };
-    let program = Program { path, folder: folder.clone() };
+    let program = args.options.program(root, "gait")?;
+    let folder = program.folder.clone();
     let data = args.options.data(root);
     let mut store = Store::open(&folder, &format!("version {VERSION}"))?;
     let seeds = args.first..args.first + args.seeds;
@@ -202,7 +198,7 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
             tasks.push((recorded_key(rate_hz, walk), rate_hz, Box::new(task)));
         }
     }
-    run_all(&mut store, "gait", tasks, args.options.threads())?;
+    run_all(&mut store, "gait", tasks, threads(args.threads))?;
     let text = tables(&store, seeds);
     println!("{text}");
     Ok(std::fs::write(folder.join("tables.md"), text)?)

@@ -5,7 +5,8 @@
 mod compared;
 
 use crate::support::outcome::{Outcome, exit_code};
-use crate::support::program::{self, Program, shown};
+use crate::support::program::{Program, shown};
+use crate::support::study_options::ProgramOptions;
 use compared::{Angles, Compared};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,18 +18,11 @@ pub struct Args {
     /// Seeds of each recording, from 1 on
     #[arg(long, default_value_t = 5)]
     seeds: u64,
-    /// The program `sinew` [default: it is built]
-    #[arg(long)]
-    program: Option<PathBuf>,
+    #[command(flatten)]
+    options: ProgramOptions,
     /// The Python that makes the environment; `opensim` has wheels for 3.10 to 3.13
     #[arg(long, default_value = "python3")]
     python: PathBuf,
-    /// Folder of the shared recordings
-    #[arg(long, env = "SINEW_DATA")]
-    data: Option<PathBuf>,
-    /// Folder of the environment, runs and tables [default: target/opensim]
-    #[arg(long)]
-    out: Option<PathBuf>,
 }
 
 /// A recording: its name here, its folder, flags of `track` with paths in the folder, and the people with their names.
@@ -153,15 +147,10 @@ fn variation(study: &Study<'_>) -> Outcome<String> {
 }
 
 fn all(root: &Path, args: &Args) -> Outcome<()> {
-    let folder = args.out.clone().unwrap_or_else(|| root.join("target/opensim"));
-    fs::create_dir_all(&folder)?;
-    let path = match &args.program {
-        Some(path) => path.clone(),
-        None => program::built(root)?,
-    };
-    let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data"));
+    let (data, program) = (args.options.data(root), args.options.program(root, "opensim")?);
+    let folder = program.folder.clone();
     let python = Python::installed(root, &folder, &args.python)?;
-    let study = Study { program: Program { path, folder: folder.clone() }, python, data: &data, folder: &folder };
+    let study = Study { program, python, data: &data, folder: &folder };
     let mut text = String::new();
     for recording in &RECORDINGS {
         let mut people: Vec<Vec<Compared>> = recording.people.iter().map(|_| vec![]).collect();

@@ -5,8 +5,9 @@
 mod recorded;
 
 use crate::support::outcome::{Outcome, exit_code};
-use crate::support::program::{self, Program, shown};
+use crate::support::program::{Program, shown};
 use crate::support::statistics::with_error;
+use crate::support::study_options::ProgramOptions;
 use sinew::formats::calib_toml;
 use sinew::formats::openpose::Keypoint;
 use sinew::input::limbs::{limbs, paired_limbs};
@@ -36,21 +37,14 @@ pub struct Args {
     /// Seed of the first; crowds 1 to 60 were looked at before
     #[arg(long, default_value_t = 101)]
     first: u64,
-    /// The program `sinew`, whose speed is measured [default: it is built]
-    #[arg(long)]
-    program: Option<PathBuf>,
+    #[command(flatten)]
+    options: ProgramOptions,
     /// Tables to make
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Part::Crowds, Part::Real, Part::Speed])]
     only: Vec<Part>,
     /// Runs of the real recording, seeds from 1 on
     #[arg(long, default_value_t = 5)]
     real: u64,
-    /// Folder of the data
-    #[arg(long)]
-    data: Option<PathBuf>,
-    /// Folder of the tables [default: target/people]
-    #[arg(long)]
-    out: Option<PathBuf>,
 }
 
 /// A part of the study.
@@ -257,20 +251,15 @@ fn speed(program: &Program) -> Outcome<String> {
 }
 
 fn all(root: &Path, args: &Args) -> Outcome<()> {
-    let folder = args.out.clone().unwrap_or_else(|| root.join("target/people"));
-    std::fs::create_dir_all(&folder)?;
+    let folder = args.options.folder(root, "people")?;
     let mut texts = vec![];
     if args.only.contains(&Part::Crowds) {
         let seeds = args.first..args.first + args.seeds;
         texts.extend([quality(seeds.clone())?, returning(seeds)?]);
     }
     if args.only != [Part::Crowds] {
-        let path = match &args.program {
-            Some(path) => path.clone(),
-            None => program::built(root)?,
-        };
-        let program = Program { path, folder: folder.clone() };
-        let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data")).join("pose2sim_two_people");
+        let program = args.options.program(root, "people")?;
+        let data = args.options.data(root).join("pose2sim_two_people");
         if args.only.contains(&Part::Real) {
             texts.push(recorded::table(&program, &data, args.real)?);
         }

@@ -198,25 +198,28 @@ fn groups(args: &Args) -> Vec<Group> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::papers::reduced_size;
 
     /// The whole command in a reduced size: files are written, the true pose is the most precise, and coarse particles stand on their grid.
     #[test]
     fn the_reduced_study_holds() {
-        let root = crate::support::root();
-        let out = std::env::temp_dir().join(format!("sinew-coarse-to-fine-{}", std::process::id()));
-        let args = Args {
-            quick: true,
-            seeds: 1,
-            pilot: false,
-            other_seeds: 0,
-            level_seeds: 0,
-            beside_seeds: 0,
-            options: StudyOptions { out: Some(out.clone()), ..StudyOptions::usual() },
-        };
-        assert_eq!(run(root, &args).unwrap(), ExitCode::SUCCESS, "what was found is printed above");
-        for file in ["cells.jsonl", "tables.md", "tables.csv", "claims.md", "results.json", "likelihood.svg"] {
-            assert!(out.join(file).is_file(), "{file}");
-        }
-        std::fs::remove_dir_all(&out).unwrap();
+        reduced_size::holds(
+            "coarse-to-fine",
+            &["cells.jsonl", "tables.md", "tables.csv", "claims.md", "results.json", "likelihood.svg"],
+            |options| {
+                run(
+                    crate::support::root(),
+                    &Args {
+                        quick: true,
+                        seeds: 1,
+                        pilot: false,
+                        other_seeds: 0,
+                        level_seeds: 0,
+                        beside_seeds: 0,
+                        options,
+                    },
+                )
+            },
+        );
     }
 }
