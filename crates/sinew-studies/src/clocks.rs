@@ -15,7 +15,7 @@ use crate::support::study_options::ProgramOptions;
 use measures::inside;
 use recorded::{Clocks, Walk};
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// What to run.

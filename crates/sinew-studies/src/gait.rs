@@ -7,14 +7,13 @@ mod truth;
 mod walkers;
 
 use crate::support::outcome::{Outcome, exit_code};
-use crate::support::program::Program;
 use crate::support::statistics::{mean, rms, with_error};
 use crate::support::store::{Store, Task, numbers, rows, run_all};
 use crate::support::study_options::{ProgramOptions, threads};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Measures gait on simulated walkers.

@@ -24,7 +24,7 @@ use sinew_tests::evaluation::returns::{Returns, returns};
 use sinew_tests::evaluation::several_people::{self, Counts, Track};
 use std::fmt::Write as _;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 

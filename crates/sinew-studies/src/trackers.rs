@@ -21,7 +21,7 @@ use crate::support::store::{Store, Task, run_all};
 use crate::support::study_options::ProgramOptions;
 use entries::{ENTRIES, Entry};
 use films::{Film, key};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Tracks the same recordings by all trackers.

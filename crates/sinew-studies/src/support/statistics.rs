@@ -22,7 +22,7 @@ pub(crate) fn with_error(values: &[f64], decimals: usize) -> String {
 
 /// Median; NaN of nothing.
 pub(crate) fn median(values: impl IntoIterator<Item = impl Borrow<f64>>) -> f64 {
-    sinew::observe::offsets::median(&mut values.into_iter().map(|x| *x.borrow()).collect::<Vec<f64>>())
+    sinew::observe::cameras::offsets::median(&mut values.into_iter().map(|x| *x.borrow()).collect::<Vec<f64>>())
 }
 
 /// The value below which a share lies, that of the nearest rank; none of nothing.

@@ -33,7 +33,9 @@ impl Places {
 
     /// The folder of the recordings, whether it is there or not.
     pub(crate) fn data(&self, root: &Path) -> PathBuf {
-        self.data.clone().unwrap_or_else(|| root.join("../shared/data"))
+        // Where there was no command line, the environment has not been read.
+        let named = || std::env::var_os("SINEW_DATA").map(PathBuf::from);
+        self.data.clone().or_else(named).unwrap_or_else(|| root.join("../shared/data"))
     }
 }
 
