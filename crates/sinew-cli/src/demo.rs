@@ -67,7 +67,7 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
         let stop = terminal.stop();
         let mut at = |pass, done, total| counter.at(pass, done, total);
         let mut watch = Watch { progress: &mut at, stop: &stop };
-        job::track(&mut source, 0..frames, &resolved, claim, &mut watch, |_| (Vec::new(), BTreeMap::new()), None)
+        job::track(&mut source, 0..frames, &resolved, claim, &mut watch, None)
     })?;
     report.warnings(&outcome.summary.warnings);
     let request = written_page::with_calibration(&config.out.join(CALIBRATION));

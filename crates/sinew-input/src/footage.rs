@@ -7,7 +7,7 @@
 
 use super::frame::{Frame, FrameImages};
 use super::input_error::InputError;
-use super::source::FrameSource;
+use super::source::{FrameSource, InputHashes};
 use crate::pictures::{self, Pictures};
 use crate::recording::given::GivenRecording;
 use crate::recording::{self, Calibrated, Recording, chosen_cameras};
@@ -18,7 +18,6 @@ use sinew_formats::{Layout, layout, trc};
 use sinew_observe::association::Person;
 use sinew_observe::silhouettes::bit_image::BitImage;
 use sinew_observe::{Camera, Detection, RgbImage};
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -200,27 +199,6 @@ impl Footage {
         }
     }
 
-    /// What is odd about the recording as far as it was read, and what was guessed.
-    #[must_use]
-    pub fn warnings(&self) -> Vec<String> {
-        let keypoints = self.keypoints.iter().flat_map(Recording::warnings);
-        let masks = self.silhouettes.iter().flat_map(Silhouettes::warnings);
-        let images = self.pictures.iter().flat_map(Pictures::warnings);
-        self.warnings.iter().cloned().chain(keypoints).chain(masks).chain(images).collect()
-    }
-
-    /// Hashes of the calibration and of what was read so far.
-    #[must_use]
-    pub fn input_hashes(&self) -> BTreeMap<String, String> {
-        let mut hashes = match &self.keypoints {
-            Some(recording) => recording.input_hashes(),
-            None => [("calibration".to_owned(), format!("{:016x}", self.calibration_hash))].into(),
-        };
-        hashes.extend(self.silhouettes.iter().map(|masks| ("silhouettes".to_owned(), masks.input_hash())));
-        hashes.extend(self.pictures.iter().map(|images| ("images".to_owned(), images.input_hash())));
-        hashes
-    }
-
     /// Files and folders that the recording is read from.
     #[must_use]
     pub fn folders(&self) -> Vec<PathBuf> {
@@ -263,6 +241,23 @@ impl FrameSource for Footage {
             (None, Some(recording)) => recording.people(number),
             (None, None) => Ok(vec![vec![]; self.cameras.len()]),
         }
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        let keypoints = self.keypoints.iter().flat_map(Recording::warnings);
+        let masks = self.silhouettes.iter().flat_map(Silhouettes::warnings);
+        let images = self.pictures.iter().flat_map(Pictures::warnings);
+        self.warnings.iter().cloned().chain(keypoints).chain(masks).chain(images).collect()
+    }
+
+    fn input_hashes(&self) -> InputHashes {
+        let mut hashes = match &self.keypoints {
+            Some(recording) => recording.input_hashes(),
+            None => [("calibration".to_owned(), format!("{:016x}", self.calibration_hash))].into(),
+        };
+        hashes.extend(self.silhouettes.iter().map(|masks| ("silhouettes".to_owned(), masks.input_hash())));
+        hashes.extend(self.pictures.iter().map(|images| ("images".to_owned(), images.input_hash())));
+        hashes
     }
 
     fn image_cameras(&self) -> Option<Vec<Camera>> {

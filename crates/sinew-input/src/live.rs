@@ -8,7 +8,7 @@
 use super::frame::detections;
 use super::recording::guess;
 use super::recording::{Calibrated, RecordingOptions, check_layout, chosen_cameras, drop_beyond_lens, known_layout};
-use super::source::FrameSource;
+use super::source::{FrameSource, InputHashes};
 use crate::Error;
 use sinew_formats::live_frame;
 use sinew_formats::openpose::{OpenposeFrame, OpenposeOptions, OpenposePerson, Tally};
@@ -212,15 +212,14 @@ impl LiveRecording {
         }
         warnings
     }
-
-    /// Hash of the calibration: what was sent is not there again.
-    #[must_use]
-    pub fn input_hashes(&self) -> BTreeMap<String, String> {
-        BTreeMap::from([("calibration".to_owned(), format!("{:016x}", self.cameras.hash))])
-    }
 }
 
 impl FrameSource for LiveRecording {
+    /// Of the calibration: what was sent is not there again.
+    fn input_hashes(&self) -> InputHashes {
+        [("calibration".to_owned(), format!("{:016x}", self.cameras.hash))].into()
+    }
+
     fn cameras(&self) -> &[Camera] {
         &self.cameras.cameras
     }

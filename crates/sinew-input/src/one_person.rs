@@ -4,7 +4,7 @@
 
 use super::frame::Frame;
 use super::roll::Roll;
-use super::source::FrameSource;
+use super::source::{FrameSource, InputHashes};
 use crate::Error;
 use sinew_formats::Layout;
 use sinew_observe::association::Person;
@@ -63,6 +63,14 @@ impl<S: FrameSource> FrameSource for OnePerson<'_, S> {
 
     fn pictures(&mut self, number: u64) -> Result<Vec<Option<RgbImage>>, Error> {
         self.source.pictures(number)
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.source.warnings()
+    }
+
+    fn input_hashes(&self) -> InputHashes {
+        self.source.input_hashes()
     }
 
     fn frame(&mut self, number: u64) -> Result<Frame, Error> {

@@ -7,7 +7,11 @@ use sinew_formats::Layout;
 use sinew_observe::association::Person;
 use sinew_observe::silhouettes::bit_image::BitImage;
 use sinew_observe::{Camera, RgbImage};
+use std::collections::BTreeMap;
 use std::ops::Range;
+
+/// Hashes by the name of the input.
+pub type InputHashes = BTreeMap<String, String>;
 
 /// Keypoints of all people in all views, one frame at a time.
 pub trait FrameSource {
@@ -62,6 +66,16 @@ pub trait FrameSource {
         Ok(self.frame(number)?.images.pictures)
     }
 
+    /// What is odd about the frames as far as they were read.
+    fn warnings(&self) -> Vec<String> {
+        vec![]
+    }
+
+    /// Hashes of what was read so far, by the name of the input.
+    fn input_hashes(&self) -> InputHashes {
+        InputHashes::new()
+    }
+
     /// A frame to be tracked: people and, where there are masks, images.
     ///
     /// # Errors
@@ -83,5 +97,11 @@ impl FrameSource for Recording {
     }
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
         self.people(number)
+    }
+    fn warnings(&self) -> Vec<String> {
+        self.warnings()
+    }
+    fn input_hashes(&self) -> InputHashes {
+        self.input_hashes()
     }
 }

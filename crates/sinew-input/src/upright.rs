@@ -1,7 +1,7 @@
 //! A source of frames in a world that is turned so that z points up.
 
 use super::frame::Frame;
-use super::source::FrameSource;
+use super::source::{FrameSource, InputHashes};
 use super::up_axis::upright;
 use crate::Error;
 use serde::{Deserialize, Serialize};
@@ -108,12 +108,6 @@ impl<'a, S: FrameSource> Upright<'a, S> {
         Ok(())
     }
 
-    /// The source itself.
-    #[must_use]
-    pub fn source(&self) -> &S {
-        self.source
-    }
-
     /// The source itself, to be moved on.
     pub fn source_mut(&mut self) -> &mut S {
         self.source
@@ -156,6 +150,12 @@ impl<S: FrameSource> FrameSource for Upright<'_, S> {
     }
     fn image_cameras(&self) -> Option<Vec<Camera>> {
         self.source.image_cameras().map(|cameras| upright(cameras, &self.up))
+    }
+    fn warnings(&self) -> Vec<String> {
+        self.source.warnings()
+    }
+    fn input_hashes(&self) -> InputHashes {
+        self.source.input_hashes()
     }
     fn frame(&mut self, number: u64) -> Result<Frame, Error> {
         self.source.frame(number)

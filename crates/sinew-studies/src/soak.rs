@@ -142,7 +142,7 @@ fn soak(method: &str, args: &Args) -> Result<bool, Error> {
     let stop = AtomicBool::new(false);
     let started = Instant::now();
     let mut watch = Watch { progress: &mut progress, stop: &stop };
-    job::track(&mut source, 0..300, &resolved, claim, &mut watch, |_| (vec![], BTreeMap::new()), None)?;
+    job::track(&mut source, 0..300, &resolved, claim, &mut watch, None)?;
     let wall_s = started.elapsed().as_secs_f64();
     let [first, last] = errors(&out.join("joints.csv"), &source)?;
     fs::remove_dir_all(&out).map_err(Error::io("remove", &out))?;

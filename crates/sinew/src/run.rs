@@ -42,7 +42,6 @@ use crate::input::footage::Footage;
 use crate::input::one_person::OnePerson;
 use crate::track::job;
 use listener::Listener;
-use one_person::OneRun;
 use pieces::{setup_frames, within};
 use request::Run;
 use settings::reading;
@@ -85,12 +84,11 @@ pub fn track(resolved: &Resolved, request: &Request, listener: &dyn Listener) ->
     };
     let mut recording = Footage::open(&config.files(&calibration), &reading(&config))?;
     let frames = setup_frames(&config, &recording)?;
-    let run = OneRun { run, config: &config };
     match &chosen {
-        None => run.track(&mut recording, frames, claim),
+        None => one_person::track(run, &mut recording, frames, claim),
         Some((roll, person)) => {
             let frames = within(&frames, &roll.people[*person].frames);
-            run.track(&mut OnePerson { source: &mut recording, roll, person: *person }, frames, claim)
+            one_person::track(run, &mut OnePerson { source: &mut recording, roll, person: *person }, frames, claim)
         }
     }
 }

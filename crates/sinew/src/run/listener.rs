@@ -58,24 +58,6 @@ impl Counter for Nothing {
     fn at(&mut self, _: u64) {}
 }
 
-/// Hears all but what is counted, where many count at once.
-pub(crate) struct Uncounted<'a>(pub(crate) &'a dyn Listener);
-
-impl Listener for Uncounted<'_> {
-    fn warning(&self, text: &str) {
-        self.0.warning(text);
-    }
-    fn note(&self, text: &str) {
-        self.0.note(text);
-    }
-    fn counter(&self, _: &'static str, _: &'static str, _: u64) -> Box<dyn Counter + '_> {
-        Box::new(Nothing)
-    }
-    fn stop(&self) -> Arc<AtomicBool> {
-        self.0.stop()
-    }
-}
-
 /// One counter a pass over the frames.
 pub struct PassCounter<'a> {
     listener: &'a dyn Listener,

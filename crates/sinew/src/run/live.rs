@@ -97,7 +97,7 @@ pub fn track(resolved: &Resolved, request: LiveRequest, listener: &dyn Listener)
     };
     reading.begin(streams.frames);
     let frames = (config.setup.is_none()).then(|| (setup_s.unwrap_or(SETUP_S) * fps).ceil().max(1.0) as u64);
-    let mut source = Source::opened(cameras, &queue, listener)?;
+    let mut source = Source::opened(cameras, &queue, &answering, listener)?;
     let setup_frames = match frames {
         Some(frames) => source.first_frames(frames)?,
         None => 0..0,
@@ -138,9 +138,7 @@ fn tracked(
     let stop = listener.stop();
     let mut at = |pass, done, total| counter.at(pass, done, total);
     let mut watch = Watch { progress: &mut at, stop: &stop };
-    let answering = answers.answering.clone();
-    let inputs = |source: &Source<'_>| (source.warnings(&answering), source.recording().input_hashes());
-    track_live(source, setup_frames, resolved, claim, &mut watch, inputs, answers)
+    track_live(source, setup_frames, resolved, claim, &mut watch, answers)
 }
 
 /// Posts what is known of a frame.

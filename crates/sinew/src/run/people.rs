@@ -3,22 +3,23 @@
 //! A person is tracked as though he were alone, with the same seed: results of one depend on others only where it is decided who is who.
 //! People are tracked beside each other where there are threads for it.
 
-use super::listener::{Counter, Listener, Uncounted};
+use super::listener::{Counter, Listener};
+use super::one_person::tracked;
 use super::pieces::{setup_frames, within};
 use super::refined_calibration;
-use super::request::Run;
-use super::resume::{Stopped, same_run, stopped_or_begun};
+use super::request::{CameTo, Run};
+use super::resume::{Start, stopped_or_begun};
 use super::settings::reading;
-use super::threads::{beside_each_other, wanted, with_threads};
+use super::threads::{beside_each_other, wanted};
 use crate::Error;
 use crate::config::TrackConfig;
 use crate::input::footage::Footage;
 use crate::input::one_person::OnePerson;
 use crate::input::roll::Roll;
 use crate::input::source::FrameSource as _;
-use crate::track::job::{self, RunPhase, Watch};
+use crate::track::job::RunPhase;
 use sinew_results::people::{PeopleSummary, person_folder};
-use sinew_results::{Claim, OWN_NAMES, RESULT_NAMES, ResultFolder, Summary, claim, claim_in, claim_to_resume, remove};
+use sinew_results::{Claim, OWN_NAMES, RESULT_NAMES, Summary, claim, claim_in, claim_to_resume, remove};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -204,7 +205,7 @@ struct Tracked {
     about_recording: Vec<String>,
 }
 
-/// One person, from the beginning or from where his run was stopped.
+/// One person, from the beginning or from where their run was stopped.
 fn one(
     run: Run<'_>,
     (roll, person): (&Roll, usize),
@@ -217,31 +218,26 @@ fn one(
     let mut recording = Footage::open(&config.files(run.calibration), &reading(&config))?;
     let seen = roll.people[person].frames.clone();
     let frames = within(&setup_frames(&config, &recording)?, &seen);
-    let mut source = OnePerson { source: &mut recording, roll, person };
     let is_begun = run.request.resume && out.is_dir();
     let stopped = if is_begun { stopped_or_begun(&config, run.read_from, run.listener)? } else { None };
-    let (claim, from) = match stopped {
-        Some(Stopped::Complete(claim, summary)) => {
-            let hashes = |source: &OnePerson<'_, Footage>| source.source.input_hashes();
-            let silent = Uncounted(run.listener);
-            same_run(&mut source, frames, &resolved, &claim, &summary, &silent, hashes)?;
-            ResultFolder::forget(&claim)?;
+    let start = match stopped {
+        Some(stopped) => stopped,
+        None => Start::New(claim_in(run.request.storage(), &out, run.read_from, config.force)?),
+    };
+    let mut source = OnePerson { source: &mut recording, roll, person };
+    let mut at = |pass, done, _| progress.at(person, pass, done);
+    match tracked(&mut source, frames, &resolved, start, threads, run.listener, &mut at)? {
+        CameTo::One(outcome) => {
+            let Summary { complete, failed_diagnostics, warnings, .. } = outcome.summary;
+            Ok(Tracked { complete, failed_diagnostics, warnings, about_recording: recording.warnings() })
+        }
+        CameTo::Complete(summary) => {
             progress.done(person, seen.end - seen.start, config.smooth);
             let failed_diagnostics = texts(&summary, "failed_diagnostics");
-            return Ok(Tracked { complete: true, failed_diagnostics, warnings: vec![], about_recording: vec![] });
+            Ok(Tracked { complete: true, failed_diagnostics, warnings: vec![], about_recording: vec![] })
         }
-        Some(Stopped::At(claim, checkpoint)) => (claim, Some(*checkpoint)),
-        None => (claim_in(run.request.storage(), &out, run.read_from, config.force)?, None),
-    };
-    let outcome = with_threads(threads, || {
-        let stop = run.listener.stop();
-        let mut at = |pass, done, _| progress.at(person, pass, done);
-        let mut watch = Watch { progress: &mut at, stop: &stop };
-        let inputs = |source: &OnePerson<'_, Footage>| (source.source.warnings(), source.source.input_hashes());
-        job::track(&mut source, frames, &resolved, claim, &mut watch, inputs, from)
-    })?;
-    let Summary { complete, failed_diagnostics, warnings, .. } = outcome.summary;
-    Ok(Tracked { complete, failed_diagnostics, warnings, about_recording: recording.warnings() })
+        CameTo::Several(_) => unreachable!("one person was tracked"),
+    }
 }
 
 fn texts(summary: &serde_json::Value, key: &str) -> Vec<String> {

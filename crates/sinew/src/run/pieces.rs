@@ -3,8 +3,6 @@
 use crate::Error;
 use crate::config::TrackConfig;
 use crate::input::footage::{Footage, Init};
-use crate::input::one_person::OnePerson;
-use crate::input::source::FrameSource;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -23,24 +21,6 @@ pub(crate) fn setup_frames(config: &TrackConfig, recording: &Footage) -> Result<
 pub(crate) fn within(asked: &Range<u64>, frames: &Range<u64>) -> Range<u64> {
     let both = asked.start.max(frames.start)..asked.end.min(frames.end);
     if both.is_empty() { frames.clone() } else { both }
-}
-
-/// Frames that come from a recording, perhaps with one of its people alone.
-pub(crate) trait FromFootage: FrameSource + Send {
-    /// The recording.
-    fn footage(&self) -> &Footage;
-}
-
-impl FromFootage for Footage {
-    fn footage(&self) -> &Footage {
-        self
-    }
-}
-
-impl FromFootage for OnePerson<'_, Footage> {
-    fn footage(&self) -> &Footage {
-        self.source
-    }
 }
 
 /// The calibration of a run, where there is something to track with it.

@@ -1,25 +1,23 @@
 //! What `--resume` finds in the output folder: a run to continue, or complete results.
 
 use super::claimed::stale;
-use super::listener::{Listener, PassCounter};
+use super::listener::Listener;
 use crate::Error;
-use crate::config::{Resolved, TrackConfig};
-use crate::input::source::FrameSource;
+use crate::config::TrackConfig;
 use crate::track::checkpoint::{self, Checkpoint};
-use crate::track::job::{self, Watch};
 use sinew_results::people::is_of_several;
 use sinew_results::problem::{self, Problem};
 use sinew_results::{Claim, RESULT_NAMES, claim_to_resume, is_incomplete};
-use std::collections::BTreeMap;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// What `--resume` finds.
-pub(crate) enum Stopped {
-    /// A run that came to its end, with its summary.
-    Complete(Claim, serde_json::Value),
-    /// A run that was stopped.
+/// Where a run begins.
+pub(crate) enum Start {
+    /// At its first frame.
+    New(Claim),
+    /// Where it was stopped.
     At(Claim, Box<Checkpoint>),
+    /// At its end, with its summary.
+    Complete(Claim, serde_json::Value),
 }
 
 /// Whether a run was stopped in a folder, of one person or of several, that can be resumed.
@@ -28,7 +26,7 @@ pub fn is_stopped(folder: &Path) -> bool {
 }
 
 /// The run to continue, in its folder, for this process alone.
-pub(crate) fn stopped_run(config: &TrackConfig, inputs: &[PathBuf], listener: &dyn Listener) -> Result<Stopped, Error> {
+pub(crate) fn stopped_run(config: &TrackConfig, inputs: &[PathBuf], listener: &dyn Listener) -> Result<Start, Error> {
     let claim = claim_to_resume(&config.out, inputs)?;
     if let Some(stale) = stale(&claim) {
         // A run that is resumed was stopped: no wonder.
@@ -39,12 +37,12 @@ pub(crate) fn stopped_run(config: &TrackConfig, inputs: &[PathBuf], listener: &d
         std::fs::read_to_string(&path).ok().and_then(|text| serde_json::from_str(&text).ok());
     let is_unfinished = RESULT_NAMES.iter().any(|name| config.out.join(format!("{name}.partial")).exists());
     if let Some(summary) = summary.filter(|summary| summary["complete"] == true && !is_unfinished) {
-        return Ok(Stopped::Complete(claim, summary));
+        return Ok(Start::Complete(claim, summary));
     }
     if !claim.is_resumable && (claim.stale_lock_of.is_some() || is_unfinished) {
         return Err(sinew_results::Error::checkpoint(&config.out, Problem::BeforeFirst).into());
     }
-    Ok(Stopped::At(claim, Box::new(checkpoint::read(&config.out)?)))
+    Ok(Start::At(claim, Box::new(checkpoint::read(&config.out)?)))
 }
 
 /// The run of one of several people to continue; `None` where it was stopped before its first frame or never begun.
@@ -52,7 +50,7 @@ pub(crate) fn stopped_or_begun(
     config: &TrackConfig,
     inputs: &[PathBuf],
     listener: &dyn Listener,
-) -> Result<Option<Stopped>, Error> {
+) -> Result<Option<Start>, Error> {
     match stopped_run(config, inputs, listener) {
         Ok(stopped) => Ok(Some(stopped)),
         Err(Error::Results(sinew_results::Error::Checkpoint { problem, .. })) if problem.is_before_first() => Ok(None),
@@ -70,21 +68,4 @@ pub(crate) fn refuse_other_number(out: &Path, tracks_several: bool) -> Result<()
     }
     let [found, expected] = [is_there, tracks_several].map(|several| WHO[usize::from(several)]);
     Err(sinew_results::Error::checkpoint(out, Problem::Whom { found, expected }).into())
-}
-
-/// Refuses complete results of other settings or data.
-pub(crate) fn same_run<S: FrameSource>(
-    recording: &mut S,
-    setup_frames: Range<u64>,
-    resolved: &Resolved,
-    claim: &Claim,
-    summary: &serde_json::Value,
-    listener: &dyn Listener,
-    inputs: impl Fn(&S) -> BTreeMap<String, String>,
-) -> Result<(), Error> {
-    let mut counter = PassCounter::new(listener);
-    let stop = listener.stop();
-    let mut at = |pass, done, total| counter.at(pass, done, total);
-    let mut watch = Watch { progress: &mut at, stop: &stop };
-    Ok(job::check_complete(recording, setup_frames, resolved, claim.folder(), summary, &mut watch, inputs)?)
 }

@@ -204,8 +204,7 @@ impl Whole {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let mut watch = Watch { progress: &mut progress, stop: &flag };
-            let inputs = |_: &Source<'_>| (vec![], BTreeMap::new());
-            job::track(&mut source, 0..self.frames, &resolved, claim, &mut watch, inputs, from)
+            job::track(&mut source, 0..self.frames, &resolved, claim, &mut watch, from)
         })
     }
 

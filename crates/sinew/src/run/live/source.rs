@@ -6,7 +6,7 @@ use super::queue::{Queue, State};
 use crate::Error;
 use crate::formats::Layout;
 use crate::input::live::{LiveCameras, LiveRecording, Views};
-use crate::input::source::FrameSource;
+use crate::input::source::{FrameSource, InputHashes};
 use crate::observe::Camera;
 use crate::observe::association::Person;
 use crate::run::listener::Listener;
@@ -20,6 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 pub(super) struct Source<'a> {
     recording: LiveRecording,
     queue: &'a Queue,
+    answering: &'a Answering,
     listener: &'a dyn Listener,
     stop: Arc<AtomicBool>,
     /// A frame that was taken from the queue and is not tracked yet.
@@ -36,13 +37,19 @@ impl<'a> Source<'a> {
     ///
     /// # Errors
     /// [`LiveError::NoFrame`].
-    pub(super) fn opened(cameras: LiveCameras, queue: &'a Queue, listener: &'a dyn Listener) -> Result<Self, Error> {
+    pub(super) fn opened(
+        cameras: LiveCameras,
+        queue: &'a Queue,
+        answering: &'a Answering,
+        listener: &'a dyn Listener,
+    ) -> Result<Self, Error> {
         let stop = listener.stop();
         let first = waited(queue, &stop, listener).ok_or(LiveError::NoFrame)?;
         let layout = queue.state().layout.clone().ok_or(LiveError::NoFrame)?;
         Ok(Self {
             recording: LiveRecording::new(cameras, layout),
             queue,
+            answering,
             listener,
             stop,
             ahead: Some(first),
@@ -50,11 +57,6 @@ impl<'a> Source<'a> {
             last: None,
             missing: 0,
         })
-    }
-
-    /// What was taken.
-    pub(super) const fn recording(&self) -> &LiveRecording {
-        &self.recording
     }
 
     fn next(&mut self) -> Option<Views> {
@@ -86,31 +88,6 @@ impl<'a> Source<'a> {
             }
             self.recording.keep(views);
         }
-    }
-
-    /// What is odd about the frames so far.
-    pub(super) fn warnings(&self, answering: &Answering) -> Vec<String> {
-        let mut warnings = self.recording.warnings();
-        let state = self.queue.state();
-        let skipped = state.skipped - self.skipped_before.unwrap_or(0);
-        if skipped > 0 {
-            warnings.push(format!(
-                "{skipped} frames came faster than they could be tracked; they were skipped, and the motion prior bridges them"
-            ));
-        }
-        let lost = self.missing.saturating_sub(skipped);
-        if lost > 0 {
-            warnings.push(format!("{lost} frames never came; the motion prior bridges them"));
-        }
-        warnings.extend(state.warnings.iter().cloned());
-        warnings.extend(state.refusals.warnings());
-        let dropped = answering.dropped();
-        if let Some(why) = answering.failed() {
-            warnings.push(format!("nobody reads the answers any more ({why}); {dropped} were dropped"));
-        } else if dropped > 0 {
-            warnings.push(format!("{dropped} answers were dropped, since they were read too slowly"));
-        }
-        warnings
     }
 }
 
@@ -154,5 +131,33 @@ impl FrameSource for Source<'_> {
 
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, InputError> {
         self.recording.people(number)
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        let mut warnings = self.recording.warnings();
+        let state = self.queue.state();
+        let skipped = state.skipped - self.skipped_before.unwrap_or(0);
+        if skipped > 0 {
+            warnings.push(format!(
+                "{skipped} frames came faster than they could be tracked; they were skipped, and the motion prior bridges them"
+            ));
+        }
+        let lost = self.missing.saturating_sub(skipped);
+        if lost > 0 {
+            warnings.push(format!("{lost} frames never came; the motion prior bridges them"));
+        }
+        warnings.extend(state.warnings.iter().cloned());
+        warnings.extend(state.refusals.warnings());
+        let dropped = self.answering.dropped();
+        if let Some(why) = self.answering.failed() {
+            warnings.push(format!("nobody reads the answers any more ({why}); {dropped} were dropped"));
+        } else if dropped > 0 {
+            warnings.push(format!("{dropped} answers were dropped, since they were read too slowly"));
+        }
+        warnings
+    }
+
+    fn input_hashes(&self) -> InputHashes {
+        self.recording.input_hashes()
     }
 }

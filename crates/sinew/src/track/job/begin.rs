@@ -3,14 +3,14 @@
 //! A set-up of an earlier run is checked for whether it belongs to the recording.
 
 use super::colours::colour_warning;
-use super::inputs::{Hashes, Inputs};
+use super::inputs::hashes;
 use super::level::{levelled, place_at_start};
 use super::watch::{RunPhase, Watch};
 use crate::config::Resolved;
 use crate::config::TrackConfig;
 use crate::config::settings::Settings;
 use crate::config::track::DEFAULT_FPS;
-use crate::input::source::FrameSource;
+use crate::input::source::{FrameSource, InputHashes};
 use crate::input::up_axis::axis_before_turning;
 use crate::input::upright::Upright;
 use crate::setup::shared_cameras::CameraInformation;
@@ -91,7 +91,7 @@ pub(super) fn resumed<'a, S: FrameSource>(
     checkpoint: Checkpoint,
     resolved: &Resolved,
     settings: &Settings,
-    inputs: &Inputs<impl Fn(&S) -> (Vec<String>, Hashes)>,
+    of_settings: &InputHashes,
     folder: &Path,
     watch: &mut Watch<'_>,
 ) -> Result<Begun<'a, S>, Error> {
@@ -104,7 +104,7 @@ pub(super) fn resumed<'a, S: FrameSource>(
         (watch.progress)(RunPhase::Check, done, total);
         watch.check("before tracking went on; nothing was changed")
     })?;
-    checkpoint.check_inputs(&inputs.hashes(source.source()), &source.frames()).map_err(refused)?;
+    checkpoint.check_inputs(&hashes(&source, of_settings), &source.frames()).map_err(refused)?;
     Ok(Begun { source, setup, checkpoint, said_of_cameras: None })
 }
 

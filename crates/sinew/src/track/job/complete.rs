@@ -1,7 +1,7 @@
 //! Results that are complete: whether they belong to the run that is requested.
 
 use super::begin::LOOKED_AT;
-use super::inputs::{Hashes, file_hashes};
+use super::inputs::{file_hashes, hashes};
 use super::watch::{RunPhase, Watch};
 use crate::Error;
 use crate::config::Resolved;
@@ -35,7 +35,7 @@ fn replay<S: FrameSource>(source: &mut S, set_up: Range<u64>, watch: &mut Watch<
     Ok(())
 }
 
-/// Reads all frames of a source again, and refuses a `summary.json` of other settings, another instruction set, other frames or other data; `inputs` gives the hashes of what was read of the source so far.
+/// Reads all frames of a source again, and refuses a `summary.json` of other settings, another instruction set, other frames or other data.
 ///
 /// # Errors
 /// [`sinew_results::Error::Checkpoint`] with all that differs; errors of the source; [`Error::Interrupted`].
@@ -46,7 +46,6 @@ pub fn check_complete<S: FrameSource>(
     folder: &Path,
     summary: &Value,
     watch: &mut Watch<'_>,
-    inputs: impl Fn(&S) -> Hashes,
 ) -> Result<(), Error> {
     let refused = |problem| sinew_results::Error::checkpoint(folder, problem);
     let Some(end) = Ended::of(summary) else {
@@ -68,9 +67,7 @@ pub fn check_complete<S: FrameSource>(
         None => setup_frames,
     };
     replay(source, set_up, watch)?;
-    let mut hashes = inputs(source);
-    hashes.extend(file_hashes(resolved)?);
-    Ok(run.check_inputs(&hashes, &frames).map_err(refused)?)
+    Ok(run.check_inputs(&hashes(source, &file_hashes(resolved)?), &frames).map_err(refused)?)
 }
 
 /// What a summary says of the run that ended.

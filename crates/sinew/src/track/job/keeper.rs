@@ -1,9 +1,9 @@
 //! The files of a run in progress and the checkpoint behind them.
 
-use super::inputs::Hashes;
 use super::run_info::texts;
 use crate::Error;
 use crate::config::TrackConfig;
+use crate::input::source::InputHashes;
 use crate::input::upright::FramesRead;
 use crate::track::checkpoint::{self, Checkpoint};
 use crate::track::fixed_lag::LagWindow;
@@ -101,7 +101,7 @@ impl Keeper {
     }
 
     /// Writes the checkpoint, behind the files that it speaks of, where a run is ever resumed; `read` is what the set-up read.
-    pub(super) fn keep(&mut self, pipeline: &Pipeline, read: &FramesRead, inputs: Hashes) -> Result<(), Error> {
+    pub(super) fn keep(&mut self, pipeline: &Pipeline, read: &FramesRead, inputs: InputHashes) -> Result<(), Error> {
         if self.results.claim().storage().is_temporary() {
             return Ok(());
         }
