@@ -3,7 +3,7 @@
 use sinew::formats::{amc, asf};
 use sinew_body::points::Trajectories;
 use sinew_motion::cmu::{RATE_HZ, joints};
-use sinew_simulate::combo::{Sequence, Trial, combo};
+use crate::combo::{Sequence, Trial, combo};
 use std::error::Error;
 use std::fs;
 use std::path::Path;

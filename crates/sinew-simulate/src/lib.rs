@@ -6,7 +6,6 @@
 //! |---|---|
 //! | [`gait`] | normative joint-angle curves of walking as Fourier series |
 //! | [`walker`] | the whole body's state over time, feet on the ground |
-//! | [`combo`] | walking, running and free movement in one sequence |
 //! | [`ring`] | cameras on a circle around a motion |
 //! | [`draws`] | random numbers that are the same on every processor |
 //! | [`crowd`] | several people, before a detector that takes one for another |
@@ -31,7 +30,6 @@
 pub mod adult;
 pub mod calibration_error;
 mod cast;
-pub mod combo;
 pub mod crowd;
 pub mod crowd_absence;
 pub mod detector;

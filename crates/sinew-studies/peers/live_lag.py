@@ -1,6 +1,6 @@
 """What some frames of delay are worth: error and coverage of `sinew track --lag-frames K` on simulated walkers.
 
-    python3 xtask/peers/live_lag.py target/release/sinew --seeds 20 > lag.md
+    python3 crates/sinew-studies/peers/live_lag.py target/release/sinew --seeds 20 > lag.md
 
 Each seed is a recording of its own (`sinew simulate --seed N`): noise of the keypoints, and errors that last. It is set
 up once, tracked with every lag and with `--smooth`, and compared with the true places of the limbs' joints. The numbers

@@ -1,7 +1,7 @@
 //! Our samplers: Hamiltonian and no-U-turn, each with three metrics, tuned by cost per effective draw.
 
-use crate::Problem;
 use crate::measure::{Clock, Run};
+use crate::problem::Problem;
 use sinew::core::diagnostics::effective_sample_size;
 use sinew::core::lanes::{Block, LANES};
 use sinew::core::random::Stage;
@@ -10,8 +10,8 @@ use sinew::samplers::curvature::curvature;
 use sinew::samplers::gaussian_mixture::GaussianMixture;
 use sinew::samplers::hmc::Hmc;
 use sinew::samplers::jumps::{self, Jumps};
-use sinew::samplers::learned;
 use sinew::samplers::laplace::laplace;
+use sinew::samplers::learned;
 use sinew::samplers::metric::Metric;
 use sinew::samplers::nuts::{self, MAX_DEPTH, Nuts};
 use sinew::samplers::starts::{importance_starts, laplace_starts};

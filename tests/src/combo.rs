@@ -15,13 +15,29 @@
 //!
 //! Limits: feet slide in joins and, by some centimetres, where paths are bent.
 
-use crate::Error;
-use crate::space::{Vector, along, cross, distance, minus, unit};
-use crate::walker::{Gait, Walker, walker_states};
-use sinew_body::points::{Trajectories, points_of_states};
+use sinew_body::points::{Trajectories, distance, points_of_states};
 use sinew_body::standard::EVALUATION_JOINTS;
+use sinew_simulate::walker::{Gait, Walker, walker_states};
 use std::f64::consts::TAU;
 use std::ops::Range;
+
+/// A point or a direction.
+type Vector = [f64; 3];
+
+/// `a + s b`.
+fn along(a: Vector, s: f64, b: Vector) -> Vector {
+    [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]]
+}
+
+fn minus(a: Vector, b: Vector) -> Vector {
+    along(a, -1.0, b)
+}
+
+/// The direction of a vector; `None` where it has none.
+fn unit(a: Vector) -> Option<Vector> {
+    let norm = (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt();
+    (norm > 1e-9).then(|| a.map(|x| x / norm))
+}
 
 /// A motion and what it is.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,11 +114,9 @@ const BONES: [(&str, &str); 18] = [
 /// Joins walking, running and free movement, or any trials, to a sequence at the rate that all of them have. Points that some trial lacks are left out.
 ///
 /// # Errors
-/// [`Error::NoTrials`]; [`Error::Trial`] for one without a frame, and where one of [`EVALUATION_JOINTS`] is missing.
-pub fn combo(name: &str, trials: &[Trial], rate_hz: f64) -> Result<Sequence, Error> {
-    let Some(first) = trials.first() else {
-        return Err(Error::NoTrials);
-    };
+/// No trials; one without a frame, and where one of [`EVALUATION_JOINTS`] is missing.
+pub fn combo(name: &str, trials: &[Trial], rate_hz: f64) -> Result<Sequence, String> {
+    let first = trials.first().ok_or("a sequence of no trials")?;
     for trial in trials {
         let missing = EVALUATION_JOINTS.iter().find(|joint| trial.motion.index(joint).is_none());
         let what = match (missing, trial.motion.frames.is_empty()) {
@@ -110,7 +124,7 @@ pub fn combo(name: &str, trials: &[Trial], rate_hz: f64) -> Result<Sequence, Err
             (None, true) => "has no frame".into(),
             (None, false) => continue,
         };
-        return Err(Error::Trial { name: trial.name.clone(), problem: what });
+        return Err(format!("the trial {} {what}", trial.name));
     }
     let in_all = |name: &str| trials.iter().all(|trial| trial.motion.index(name).is_some());
     let bones: Vec<(&str, &str)> = BONES.into_iter().filter(|(name, _)| in_all(name)).collect();
@@ -190,7 +204,8 @@ impl Skeleton {
     fn heading(&self, pose: &Pose) -> Vector {
         let points = self.points(pose);
         let right = [self.hips, self.shoulders].map(|[l, r]| unit(minus(points[r], points[l])).unwrap_or_default());
-        let forward = cross([0.0, 0.0, 1.0], along(right[0], 1.0, right[1]));
+        let [x, y, _] = along(right[0], 1.0, right[1]);
+        let forward = [-y, x, 0.0];
         unit(forward).unwrap_or([0.0, 1.0, 0.0])
     }
 }
@@ -300,7 +315,7 @@ fn smooth(s: f64) -> f64 {
 ///
 /// # Errors
 /// Never for a rate that is finite and positive; as [`combo`] else.
-pub fn synthetic_combo(rate_hz: f64) -> Result<Sequence, Error> {
+pub fn synthetic_combo(rate_hz: f64) -> Result<Sequence, String> {
     let gait = |stride_s: f64, duration_s: f64| {
         let walker = Walker::new(Gait { still_s: 0.0, start_s: 0.9, stride_s, duration_s, ..Gait::default() });
         points_of_states(&walker.body, &walker_states(&walker, rate_hz))

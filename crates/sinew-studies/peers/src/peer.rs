@@ -2,8 +2,8 @@
 //!
 //! Four chains of its default warm-up and 4000 draws, one after the other.
 
-use crate::Problem;
 use crate::measure::{Clock, Run};
+use crate::problem::Problem;
 use nuts_rs::rand::SeedableRng;
 use nuts_rs::rand::rngs::StdRng;
 use nuts_rs::{

@@ -1,7 +1,7 @@
 """What scipy's L-BFGS-B reaches on the standard problems of sinew-latent's tests, and on a GPLVM.
 
     python3 -m pip install scipy        # into an environment of its own; this script installs nothing
-    python3 xtask/peers/scipy_lbfgs.py  # prints the rows
+    python3 crates/sinew-studies/peers/scipy_lbfgs.py  # prints the rows
 
 The rows are those of crates/sinew-latent/tests/program/standard_problems/reached_by_scipy.rs: name and dimension (of the
 GPLVM the starts in turn), value at the start, value reached, evaluations.

@@ -1,8 +1,8 @@
 """What ezc3d reads in C3D files, and whether sinew reads and writes the same: numbers that tests of sinew-formats hold.
 
     python3 -m pip install ezc3d==1.7.2 c3d==0.6.0 numpy==2.4.6     # into an environment of its own
-    python3 xtask/peers/c3d_ezc3d.py SAMPLES            # prints the numbers of crates/sinew-formats/tests/c3d/samples.rs
-    python3 xtask/peers/c3d_ezc3d.py SAMPLES SINEW      # compares with the program SINEW as well
+    python3 crates/sinew-studies/peers/c3d_ezc3d.py SAMPLES            # prints the numbers of crates/sinew-formats/tests/c3d/samples.rs
+    python3 crates/sinew-studies/peers/c3d_ezc3d.py SAMPLES SINEW      # compares with the program SINEW as well
 
 SAMPLES is the folder c3d_samples of the shared data. The comparison takes each sample as it is and as each of the three
 processors would have written it, lets ezc3d and `sinew convert` read them, and compares every coordinate. Then

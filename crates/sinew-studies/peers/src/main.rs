@@ -2,7 +2,7 @@
 //!
 //! nuts-rs with our gradient of one state, and our samplers over eight lanes.
 //!
-//! `cargo run --release --manifest-path xtask/peers/Cargo.toml -- [seeds]` prints a table in Markdown; every row is the median over the seeds (3 by default). It ends with 1 where a
+//! `cargo run --release -p sinew-peers -- [seeds]` prints a table in Markdown; every row is the median over the seeds (3 by default). It ends with 1 where a
 //! posterior mean is more than four standard errors from the long run's.
 //!
 //! Seconds are the thread's on a processor. Warm-up is everything before the first kept draw: mode, metric, starts, tuning of step size and length, burn-in. Effective sample sizes are the bulk's (rank-normalised, split chains), the least
@@ -11,44 +11,16 @@
 mod measure;
 mod ours;
 mod peer;
+mod problem;
 
 use measure::{Row, Run};
-use sinew::core::combinators::Sum;
-use sinew::core::density::{GradLogDensity, Lanes, LogDensity};
-use sinew::core::lanes::{Block, Isa};
-use sinew::dynamics::prior::Prior;
-use sinew::observe::MarkerLikelihood;
-use sinew_tests::problem28;
+use problem::Problem;
+use sinew::core::density::{GradLogDensity, LogDensity};
+use sinew::core::lanes::Block;
 use std::error::Error;
 use std::hint::black_box;
 use std::process::ExitCode;
 use std::time::Instant;
-
-/// The problem in the forms that samplers ask for.
-pub struct Problem {
-    /// The likelihood alone.
-    pub likelihood: Lanes<MarkerLikelihood>,
-    /// The prior alone.
-    pub prior: Prior,
-    /// Mean of the prior's components.
-    pub middle: Vec<f64>,
-    /// Instruction set.
-    pub isa: Isa,
-}
-
-impl Problem {
-    fn load() -> Self {
-        let (problem, isa) = (problem28::load(), Isa::best());
-        let components = problem.prior_centres.len() as f64;
-        let middle = (0..28).map(|j| problem.prior_centres.iter().map(|c| c[j]).sum::<f64>() / components).collect();
-        Self { likelihood: problem.likelihood(isa), prior: Prior::Mixture(problem.prior(isa)), middle, isa }
-    }
-
-    /// The posterior.
-    pub fn target(&self) -> Sum<&Lanes<MarkerLikelihood>, &Prior> {
-        Sum(&self.likelihood, &self.prior)
-    }
-}
 
 /// The least of many short measurements, since anything else on the core only adds.
 fn nanoseconds(mut call: impl FnMut()) -> f64 {

@@ -3,8 +3,8 @@
 The tracker runs on one core, this script and a process that does nothing but count on another. Times of both ends are of
 one clock in this process. Frames are those of a simulated recording, forth and back, at a fixed rate.
 
-    python3 xtask/peers/live_latency.py --seconds 600 --fps 60 --setup whole/setup.toml target/release/sinew walk
-    python3 xtask/peers/live_latency.py … target/release/sinew walk -- --updates=8 --burn-in=2   # more arguments
+    python3 crates/sinew-studies/peers/live_latency.py --seconds 600 --fps 60 --setup whole/setup.toml target/release/sinew walk
+    python3 crates/sinew-studies/peers/live_latency.py … target/release/sinew walk -- --updates=8 --burn-in=2   # more arguments
 
 where `walk` was made by `sinew simulate -o walk --fps 60`, and `whole` by `sinew track` of it.
 """
