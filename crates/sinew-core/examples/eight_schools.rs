@@ -69,10 +69,10 @@ fn main() {
                 value.0[lane] = there.0[lane];
                 state.iter_mut().zip(&proposed).for_each(|(x, y)| x.0[lane] = y.0[lane]);
             }
-            if step >= 4000 {
-                kept[0][lane].push(state[0].0[lane]);
-                kept[1][lane].push(state[1].0[lane].exp());
-            }
+        }
+        if step >= 4000 {
+            kept[0].iter_mut().zip(state[0].0).for_each(|(chain, mu)| chain.push(mu));
+            kept[1].iter_mut().zip(state[1].0).for_each(|(chain, log_tau)| chain.push(log_tau.exp()));
         }
     }
     for (name, chains) in ["mu", "tau"].into_iter().zip(&kept) {
