@@ -14,7 +14,7 @@ use sinew::core::diagnostics::{bulk_ess, effective_sample_size, rank_r_hat, spli
 use sinew::core::lanes::{Block, Isa, LANES};
 use sinew::core::random::Stage;
 use sinew::samplers::Error;
-use sinew::samplers::chains::{ChainDraws, Schedule, draw};
+use sinew::samplers::chains::{ChainDraws, Schedule, draw_trajectories};
 use sinew::samplers::hmc::Hmc;
 use sinew::samplers::nuts::{self, Nuts};
 use sinew::samplers::starts::uniform_starts;
@@ -202,12 +202,12 @@ pub fn sampled(
         Sampler::Hmc => {
             let tuned = tuning::cheapest(&mut trial, &config, &[posterior.acceptance], &to_tune)?;
             let hmc = Hmc::with_metric(tuned.step_size, &metric, tuned.leapfrog_steps, jitter, isa)?;
-            draw(posterior, &hmc, &trial.states, CHAINS, schedule, &to_draw)
+            draw_trajectories(posterior, &hmc, &trial.states, CHAINS, schedule, &to_draw)
         }
         Sampler::Nuts => {
             let tuned = tuning::no_u_turn(&mut trial, &config, 10, &[posterior.acceptance], &to_tune)?;
             let nuts = Nuts::with_metric(tuned.step_size, &metric, 10, jitter, isa)?;
-            Ok(nuts::draw(posterior, &nuts, &trial.states, CHAINS, schedule, &to_draw)?.draws)
+            Ok(nuts::draw_trees(posterior, &nuts, &trial.states, CHAINS, schedule, &to_draw)?.draws)
         }
     }
 }

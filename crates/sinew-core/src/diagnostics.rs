@@ -378,13 +378,15 @@ mod tests {
         let broken = [[1.0, f64::NAN, 3.0, 4.0]; 2];
         let infinite = [[1.0, f64::INFINITY, 2.0, 3.0, 4.0]; 2];
         let none: [&[f64]; 0] = [];
-        for chains in [short.each_ref().map(|c| &c[..]), broken.each_ref().map(|c| &c[..]), infinite.each_ref().map(|c| &c[..])]
-            .iter()
-            .map(|c| &c[..])
-            .chain([&none[..]])
+        for chains in
+            [short.each_ref().map(|c| &c[..]), broken.each_ref().map(|c| &c[..]), infinite.each_ref().map(|c| &c[..])]
+                .iter()
+                .map(|c| &c[..])
+                .chain([&none[..]])
         {
             assert_eq!(effective_sample_size(chains), 0.0, "{chains:?}");
-            let others = [split_r_hat(chains), rank_r_hat(chains), bulk_ess(chains), tail_ess(chains), mcse_of_mean(chains)];
+            let others =
+                [split_r_hat(chains), rank_r_hat(chains), bulk_ess(chains), tail_ess(chains), mcse_of_mean(chains)];
             assert!(others.iter().all(|x| x.is_nan()), "{chains:?}: {others:?}");
         }
         // Chains that stand still have no spread to compare with, wherever they stand.
