@@ -188,7 +188,7 @@ pub fn sampled(
             states
         }
     };
-    let WarmedUp { metric, states, step_size } =
+    let WarmedUp { metric, states, step_size, .. } =
         warm_up(posterior, &starts, CHAINS, &warm_up::Config::default(), isa, &to_warm)?;
     // Trajectories of one length near half a period turn means about and leave spreads where they are; lengths that scatter by half mix both.
     let jitter = if sampler == Sampler::Hmc { 0.5 } else { 0.2 };

@@ -56,7 +56,7 @@ fn chains_from_far_tails_arrive_with_the_others() {
     let common = tuning::step_size(&mut trial, 3, &tuning::Config::default(), &Stage::new(3, "common"));
     assert!(matches!(common, Err(Error::StepSizeNotFound { .. })), "{common:?}");
 
-    let WarmedUp { metric, states, step_size } = warmed(&starts);
+    let WarmedUp { metric, states, step_size, .. } = warmed(&starts);
     let nuts = Nuts::with_metric(step_size, &metric, 10, 0.0, Isa::best()).expect("valid");
     let schedule = Schedule { updates: 400, burn_in: 1 };
     let run = nuts::draw_trees(&Counts, &nuts, &states, CHAINS, schedule, &Stage::new(4, "draw")).expect("finite");
