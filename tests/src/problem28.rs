@@ -13,7 +13,7 @@ use sinew::core::combinators::Sum;
 use sinew::core::density::Lanes;
 use sinew::core::lanes::Isa;
 use sinew::dynamics::mixture::Mixture;
-use sinew::observe::marker_views::{MarkerView, MarkerViewsLikelihood, MarkerViewsModel};
+use sinew::observe::keypoints::marker_views::{MarkerView, MarkerViewsLikelihood, MarkerViewsModel};
 use sinew::observe::{MarkerLikelihood, MarkerModel, ObservationModel};
 use std::sync::Arc;
 

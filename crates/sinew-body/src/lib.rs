@@ -31,6 +31,7 @@ pub mod motion_ranges;
 #[cfg(test)]
 mod placed;
 pub mod point_derivatives;
+pub mod points;
 mod sizes;
 pub mod standard;
 pub mod standard_flesh;

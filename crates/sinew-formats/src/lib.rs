@@ -84,6 +84,7 @@ pub mod rotation;
 mod row_time;
 pub mod rtmlib_json;
 pub mod source_text;
+pub mod svg;
 pub mod tidy_csv;
 mod toml_text;
 pub mod trc;

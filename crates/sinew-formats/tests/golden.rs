@@ -12,7 +12,7 @@ use sinew_formats::tidy_csv::Cell;
 use sinew_formats::zarr::inference_data::{DrawsKind, Run, posterior, schema};
 use sinew_formats::zarr::{FrameValues, MemoryStore, Writer};
 use sinew_formats::{body_toml, bvh, c3d, calib_toml, layout, mot, tidy_csv, trc};
-use sinew_observe::lens::Brown;
+use sinew_observe::cameras::lens::Brown;
 use sinew_observe::{Camera, Intrinsics};
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -3,8 +3,8 @@
 //! Nobody is seen by any camera, and hides nobody, while he is away. Whoever comes back has gone somewhere in the meantime: he is anywhere within [`STROLL_M_S`] times the gap of where he left, in a direction of its own, and walks towards the middle from there. So nothing but who he is joins the two stays, and the way that lies between.
 
 use crate::draws::uniforms;
+use sinew_body::points::Trajectories;
 use sinew_core::random::Stage;
-use sinew_motion::points::Trajectories;
 use std::f64::consts::TAU;
 use std::ops::Range;
 

@@ -274,7 +274,7 @@ fn posture(size: &Proportions, swing: &Swing) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_motion::points::{Trajectories, points_of_states};
+    use sinew_body::points::{Trajectories, points_of_states};
 
     const RATE_HZ: f64 = 120.0;
 
