@@ -6,7 +6,6 @@ pub mod beside;
 pub mod combinations;
 pub mod combinators;
 mod compile_here;
-pub mod convergence;
 pub mod decode;
 pub mod density;
 pub mod diagnostics;

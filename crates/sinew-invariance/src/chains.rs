@@ -8,8 +8,7 @@ use crate::detectable::{Estimate, one_sigma};
 use crate::p_values::{normal_p, share_p};
 use crate::report::{Bound, Report, Statistic};
 use crate::sequential::{About, Control, Measured, run};
-use sinew_core::convergence::rank_r_hat;
-use sinew_core::diagnostics::{Window, effective_sample_size, integrated_time, split_r_hat};
+use sinew_core::diagnostics::{effective_sample_size, rank_r_hat, split_r_hat};
 use sinew_core::random::{BlockRng, Stage};
 
 /// Sizes of the runs.
@@ -136,10 +135,11 @@ pub fn mixing(
         bound: Bound::Range { least: f64::NEG_INFINITY, most },
     };
     let found = functions.names().iter().zip(all).flat_map(|(name, chains)| {
+        let time_found = (config.draws * starts.len()) as f64 / effective_sample_size(&chains);
         [
             at_most(format!("split R̂ of {name}"), split_r_hat(&chains), r_hat),
             at_most(format!("rank-normalised R̂ of {name}"), rank_r_hat(&chains), r_hat),
-            at_most(format!("autocorrelation time of {name}"), integrated_time(&chains, Window::Geyer), time),
+            at_most(format!("autocorrelation time of {name}"), time_found, time),
         ]
     });
     Report {

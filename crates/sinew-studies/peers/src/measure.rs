@@ -1,6 +1,6 @@
 //! What a run is worth: effective samples a second and a gradient, and agreement with the long run.
 
-use sinew::core::convergence::{bulk_ess, mcse_of_mean};
+use sinew::core::diagnostics::{bulk_ess, mcse_of_mean};
 use sinew_tests::problem28;
 use std::fmt;
 use std::fs;

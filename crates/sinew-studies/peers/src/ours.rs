@@ -116,7 +116,7 @@ fn prepared(problem: &Problem, choice: Choice, seed: u64) -> Result<(Metric, Vec
             let tuned = tuning::step_size(&mut trial, 8, &config, &stage.round(0))?;
             let hmc = Hmc::with_metric(tuned.step_size, &metric, 8, JITTER, isa)?;
             let schedule = Schedule { updates: LEARNING * (round + 1), burn_in: BURN_IN };
-            let draws = chains::draw(&target, &hmc, &trial.states, LANES, schedule, &stage.round(1))?;
+            let draws = chains::draw_trajectories(&target, &hmc, &trial.states, LANES, schedule, &stage.round(1))?;
             metric = learned::metric(&target, &draws, effective(&draws), isa)?;
             states = draws.last;
         }
@@ -172,16 +172,16 @@ pub fn run(problem: &Problem, method: Method, choice: Choice, chains: usize, see
         let steps = chains * updates * tuned.leapfrog_steps;
         Ok(match (&jumps, method) {
             (Some(jumps), _) => {
-                let run = jumps::draw(&target, &hmc, jumps, states, chains, schedule, stage)?;
+                let run = jumps::draw_with_jumps(&target, &hmc, jumps, states, chains, schedule, stage)?;
                 let proposals = chains.div_ceil(LANES) * LANES * updates * jumps.count;
                 Drawn { draws: run.draws, gradients: steps + proposals, depth: None }
             }
             (None, Method::Nuts) => {
-                let run = nuts::draw(&target, &nuts, states, chains, schedule, stage)?;
+                let run = nuts::draw_trees(&target, &nuts, states, chains, schedule, stage)?;
                 Drawn { depth: Some(run.mean_depth()), gradients: run.leapfrog_steps, draws: run.draws }
             }
             (None, _) => {
-                let draws = chains::draw(&target, &hmc, states, chains, schedule, stage)?;
+                let draws = chains::draw_trajectories(&target, &hmc, states, chains, schedule, stage)?;
                 Drawn { draws, gradients: steps, depth: None }
             }
         })
@@ -217,9 +217,9 @@ fn learned_proposal(
         let blocks = draws.stats.len() / LANES;
         GaussianMixture::fit(problem.isa, &draws.states[..blocks * 28], 28, COMPONENTS, effective(draws))
     };
-    let draws = chains::draw(&target, hmc, &states, LANES, schedule, &stage.round(1))?;
+    let draws = chains::draw_trajectories(&target, hmc, &states, LANES, schedule, &stage.round(1))?;
     let rough = Jumps { proposal: fit(&draws)?, count: JUMPS };
-    let run = jumps::draw(&target, hmc, &rough, &draws.last, LANES, schedule, &stage.round(2))?;
+    let run = jumps::draw_with_jumps(&target, hmc, &rough, &draws.last, LANES, schedule, &stage.round(2))?;
     Ok((fit(&run.draws)?, run.draws.last))
 }
 

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | [`scene`] | motion, camera, observed markers |
 //! | [`problem`] | the posterior of a part of the body in one frame |
-//! | [`chains`] | one frame of a hybrid Monte Carlo filter; that of a particle filter is [`sinew::samplers::likelihood_weighting`] |
+//! | [`chains`] | one frame of a hybrid Monte Carlo filter; that of a particle filter is [`likelihood_weighting`] |
 //! | [`single`], [`multi`] | the two studies |
 //! | [`opponents`], [`cameras`] | beyond the paper: other samplers and a search; more cameras and other errors |
 //! | [`study`], [`cells`] | how much is run, and what |
@@ -23,6 +23,7 @@ mod claims;
 mod crossover;
 mod curves;
 mod figures;
+mod likelihood_weighting;
 mod multi;
 mod multi_claims;
 mod opponents;

@@ -8,14 +8,14 @@
 //! largest weight so far, and sums of independent parts can be merged.
 
 use rayon::prelude::*;
-use sinew_core::density::LogDensity;
-use sinew_core::lanes::{Block, LANES};
-use sinew_core::random::Stage;
-use sinew_core::transition::Transition;
+use sinew::core::density::LogDensity;
+use sinew::core::lanes::{Block, LANES};
+use sinew::core::random::Stage;
+use sinew::core::transition::Transition;
 
 /// Running sums of weights and weighted states, relative to the largest weight so far.
 #[derive(Clone, Debug)]
-pub struct WeightedSums {
+pub(super) struct WeightedSums {
     largest: f64,
     sum: f64,
     squares: f64,
@@ -26,8 +26,7 @@ pub struct WeightedSums {
 
 impl WeightedSums {
     /// Of no states of a dimension; with second moments or without.
-    #[must_use]
-    pub fn new(dim: usize, second_moments: bool) -> Self {
+    pub(super) fn new(dim: usize, second_moments: bool) -> Self {
         let second = if second_moments { vec![0.0; dim * (dim + 1) / 2] } else { vec![] };
         Self { largest: f64::NEG_INFINITY, sum: 0.0, squares: 0.0, first: vec![0.0; dim], second }
     }
@@ -41,7 +40,7 @@ impl WeightedSums {
     }
 
     /// Adds the first `count` lanes of a block of states; `origin` keeps second moments from cancelling and is the same in every call.
-    pub fn add(&mut self, states: &[Block], log_weights: Block, count: usize, origin: &[f64]) {
+    pub(super) fn add(&mut self, states: &[Block], log_weights: Block, count: usize, origin: &[f64]) {
         let largest = log_weights.0[..count].iter().copied().fold(f64::NEG_INFINITY, f64::max);
         if largest > self.largest {
             self.rescale(largest);
@@ -75,7 +74,7 @@ impl WeightedSums {
     }
 
     /// Adds what another set of sums with the same origin has seen.
-    pub fn merge(&mut self, mut other: Self) {
+    pub(super) fn merge(&mut self, mut other: Self) {
         if other.largest > self.largest {
             self.rescale(other.largest);
         } else {
@@ -88,14 +87,12 @@ impl WeightedSums {
     }
 
     /// Weighted mean.
-    #[must_use]
-    pub fn mean(&self, origin: &[f64]) -> Vec<f64> {
+    pub(super) fn mean(&self, origin: &[f64]) -> Vec<f64> {
         self.first.iter().zip(origin).map(|(x, origin)| origin + x / self.sum).collect()
     }
 
     /// Weighted covariance, row after row; zeros without second moments.
-    #[must_use]
-    pub fn covariance(&self) -> Vec<f64> {
+    pub(super) fn covariance(&self) -> Vec<f64> {
         let d = self.first.len();
         let mut out = vec![0.0; d * d];
         let mut entries = self.second.iter();
@@ -109,15 +106,13 @@ impl WeightedSums {
     }
 
     /// Effective number of draws, 1 / Σ W².
-    #[must_use]
-    pub fn effective(&self) -> f64 {
+    pub(super) fn effective(&self) -> f64 {
         self.sum * self.sum / self.squares
     }
 }
 
 /// Weighs `count` draws of the first frame's prior around `centre` by the likelihood; block b of eight draws has the stream of that number.
-#[must_use]
-pub fn weigh(
+pub(super) fn weigh(
     likelihood: &impl LogDensity,
     prior: &impl Transition,
     centre: &[f64],
@@ -137,8 +132,7 @@ pub fn weigh(
 }
 
 /// Weighs `parts` times `count` draws, with second moments; parts run in parallel, each with its own round of the stage, and merge in order.
-#[must_use]
-pub fn weigh_parts(
+pub(super) fn weigh_parts(
     likelihood: &impl LogDensity,
     prior: &impl Transition,
     centre: &[f64],
@@ -155,10 +149,10 @@ pub fn weigh_parts(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_core::lanes::Isa;
-    use sinew_core::random::BlockRng;
-    use sinew_core::toy::Quadratic;
-    use sinew_core::transition::MotionModel;
+    use sinew::core::lanes::Isa;
+    use sinew::core::random::BlockRng;
+    use sinew::core::toy::Quadratic;
+    use sinew::core::transition::MotionModel;
 
     /// Two coordinates of twelve draws in two blocks, the last four lanes idle, and their log weights.
     fn draws() -> ([[Block; 2]; 2], [Block; 2]) {

@@ -1,8 +1,9 @@
 //! Diagnostics of stored chains against the numbers of ArviZ (`tests/data/chains_by_arviz.py` made both).
 
 use serde_json::Value;
-use sinew_core::convergence::{bulk_ess, mcse_of_mean, rank_r_hat, tail_ess};
-use sinew_core::diagnostics::{energy_fraction, split_r_hat};
+use sinew_core::diagnostics::{
+    bulk_ess, effective_sample_size, energy_fraction, mcse_of_mean, rank_r_hat, split_r_hat, tail_ess,
+};
 
 fn numbers(value: &Value) -> Vec<f64> {
     value.as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect()
@@ -16,6 +17,13 @@ fn diagnostics_match_arviz() {
     for case in cases {
         let chains: Vec<Vec<f64>> = case["chains"].as_array().unwrap().iter().map(numbers).collect();
         let name = case["name"].as_str().unwrap();
+        let all = chains.concat();
+        let mean = all.iter().sum::<f64>() / all.len() as f64;
+        let variance = all.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (all.len() - 1) as f64;
+        // ArviZ's standard error is √(variance / effective sample size of the mean).
+        let worth = variance / case["mcse_of_mean"].as_f64().unwrap().powi(2);
+        let found = effective_sample_size(&chains);
+        assert!((found / worth - 1.0).abs() < 1e-6, "{name}, effective sample size: {found}, ArviZ has {worth}");
         for (what, found) in [
             ("rank_r_hat", rank_r_hat(&chains)),
             ("split_r_hat", split_r_hat(&chains)),
