@@ -15,6 +15,7 @@
 //! let head = body.point_index("Head").unwrap();
 //! assert!((points[3 * head + 2] - 1.75).abs() < 1e-12);
 //! ```
+pub mod bones;
 pub mod bundle;
 mod error;
 pub mod fit;
@@ -31,6 +32,7 @@ pub mod motion_ranges;
 #[cfg(test)]
 mod placed;
 pub mod point_derivatives;
+pub mod rotation;
 mod sizes;
 pub mod standard;
 pub mod standard_flesh;
