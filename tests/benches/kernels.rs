@@ -14,7 +14,7 @@ use sinew::dynamics::mixture::Mixture;
 use sinew::dynamics::random_walk::{Between, RandomWalk};
 use sinew::input::source::FrameSource;
 use sinew::observe::{MarkerModel, ObservationModel};
-use sinew::results::estimate::FrameEstimate;
+use sinew_results::estimate::FrameEstimate;
 use sinew::samplers::hmc::{Chains, Hmc, Workspace, update};
 use sinew::samplers::metric::{Dense, Metric};
 use sinew::samplers::resample::Scheme;

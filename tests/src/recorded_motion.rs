@@ -2,7 +2,7 @@
 
 use sinew::formats::{amc, asf};
 use sinew_motion::cmu::{RATE_HZ, joints};
-use sinew_motion::points::Trajectories;
+use sinew_body::points::Trajectories;
 use sinew_simulate::combo::{Sequence, Trial, combo};
 use std::error::Error;
 use std::fs;

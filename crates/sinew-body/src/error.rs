@@ -63,6 +63,9 @@ pub enum Error {
         /// Link index found.
         link: usize,
     },
+    /// Trajectories without a point of a name.
+    #[error("the motion has no {0}")]
+    NoPoint(String),
     /// Flesh needs at least one solid.
     #[error("the body has no solids; give at least one")]
     NoSolid,

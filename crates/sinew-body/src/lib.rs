@@ -32,6 +32,7 @@ pub mod motion_ranges;
 #[cfg(test)]
 mod placed;
 pub mod point_derivatives;
+pub mod points;
 pub mod rotation;
 mod sizes;
 pub mod standard;
@@ -45,5 +46,6 @@ pub use kinematics::{
     Plan, point_jacobian, point_jacobian_each, point_positions, point_positions_block, point_positions_each,
     point_positions_into,
 };
+pub use sinew_core::lanes::Isa;
 pub use standard::Proportions;
 pub use tree::{Axis, Joint, KinematicTree, Link, Point};

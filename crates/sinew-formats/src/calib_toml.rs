@@ -11,7 +11,7 @@
 //! fisheye = false
 //! ```
 //!
-//! `distortions` are OpenCV's, as [`sinew_observe::lens`] lists them: 4, 5 or 8 numbers, or the 4 of its fisheye model where `fisheye` is
+//! `distortions` are OpenCV's, as [`sinew_observe::cameras::lens`] lists them: 4, 5 or 8 numbers, or the 4 of its fisheye model where `fisheye` is
 //! true. Cameras keep the order of the file. `[metadata]` is not a camera; unknown keys are ignored. The rotation may also be
 //! a 3 × 3 matrix: one that is orthonormal to 1e-6 is repaired silently, to 1e-3 with a warning, a worse one and a mirror
 //! image are refused. Writing and reading again gives every number bit for bit, rotations to

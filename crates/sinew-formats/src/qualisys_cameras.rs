@@ -39,7 +39,7 @@ use crate::rotation::{Matrix, apply};
 use crate::source_text::finite;
 use crate::xml_text::{Element, escaped, parse};
 use crate::{Error, Place, Warning, camera_checks};
-use sinew_observe::lens::{Brown, Distortion};
+use sinew_observe::cameras::lens::{Brown, Distortion};
 use sinew_observe::{Camera, Intrinsics};
 use std::fmt::Write as _;
 

@@ -11,11 +11,17 @@
 //!
 //! **Afterwards** by nearness ([`nearest`]): in each camera the person nearest to where the keypoints were predicted, within a gate. Bystanders fall outside it.
 //!
-//! [`crate::following`] is the two together with the little memory that they need.
+//! [`crate::association::following`] is the two together with the little memory that they need.
 
-use crate::camera::Camera;
-use crate::keypoint_model::Detection;
-use crate::triangulate::{Seen, linear};
+pub mod assignment;
+pub mod following;
+pub mod identities;
+pub mod identities_joining;
+pub mod view_partition;
+
+use crate::cameras::camera::Camera;
+use crate::cameras::triangulate::{Seen, linear};
+use crate::keypoints::keypoint_model::Detection;
 
 /// Keypoints of one person in one view, in the order of the layout; `None` is missing.
 pub type Person = Vec<Option<Detection>>;

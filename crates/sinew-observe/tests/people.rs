@@ -2,14 +2,14 @@
 //!
 //! Stick figures of nine points stand in a ring of four cameras and are seen without noise, so that every answer is exact.
 
+use sinew_observe::association::following::{Associated, Following, associate, follow};
+use sinew_observe::association::identities::Identities;
+use sinew_observe::association::view_partition::partition;
 use sinew_observe::association::{Config, Person, groups, nearest, triangulated};
-use sinew_observe::cross_view::{
+use sinew_observe::cameras::cross_view::{
     best_lag, cameras_behind, expected_from_others, lag_change, residual_by_lag, swapped_spans,
 };
-use sinew_observe::following::{Associated, Following, associate, follow};
-use sinew_observe::identities::Identities;
-use sinew_observe::offsets::{CameraNoise, Sighted};
-use sinew_observe::view_partition::partition;
+use sinew_observe::cameras::offsets::{CameraNoise, Sighted};
 use sinew_observe::{Camera, Detection};
 
 fn cameras() -> Vec<Camera> {

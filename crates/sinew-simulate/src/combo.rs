@@ -18,8 +18,8 @@
 use crate::Error;
 use crate::space::{Vector, along, cross, distance, minus, unit};
 use crate::walker::{Gait, Walker, walker_states};
+use sinew_body::points::{Trajectories, points_of_states};
 use sinew_body::standard::EVALUATION_JOINTS;
-use sinew_motion::points::{Trajectories, points_of_states};
 use std::f64::consts::TAU;
 use std::ops::Range;
 

@@ -17,9 +17,9 @@
 use crate::Error;
 use crate::draws::{normals, uniforms};
 use crate::space::{Vector, across, along, between, cross, distance, minus, unit};
+use sinew_body::points::Trajectories;
 use sinew_body::standard::EVALUATION_JOINTS;
 use sinew_core::random::Stage;
-use sinew_motion::points::Trajectories;
 
 /// What a solid looks as if made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -462,7 +462,7 @@ fn foot(
 mod tests {
     use super::*;
     use crate::walker::{Gait, Walker, walker_states};
-    use sinew_motion::points::points_of_states;
+    use sinew_body::points::points_of_states;
 
     fn walk(duration_s: f64) -> Trajectories {
         let walker = Walker::new(Gait { duration_s, ..Gait::default() });

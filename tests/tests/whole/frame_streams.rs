@@ -4,7 +4,7 @@
 
 use sinew::config::settings::Settings;
 use sinew::methods::{BootstrapMethod, HmcMethod};
-use sinew::results::estimate::FrameEstimate;
+use sinew_results::estimate::FrameEstimate;
 use sinew::setup::Setup;
 use sinew::track::{self, Pipeline, Spool};
 use sinew::tracking::posterior::Posterior;

@@ -7,7 +7,7 @@ use sinew::core::lanes::{Block, Isa, LANES};
 use sinew::core::random::Stage;
 use sinew::dynamics::gaussian::Gaussian;
 use sinew::observe::Camera;
-use sinew::observe::triangulate::{Config, Seen, linear, refined, triangulate};
+use sinew::observe::cameras::triangulate::{Config, Seen, linear, refined, triangulate};
 use sinew::samplers::chains::{Schedule, draw};
 use sinew::samplers::hmc::Hmc;
 use sinew_tests::camera_point::{CameraPoint, Sight, View};

@@ -137,7 +137,7 @@ fn a_run_takes_it_like_any_other() {
     };
     let mut whole = pipeline();
     let estimates = tracked(&mut whole, 0..10);
-    let distance = |estimate: &sinew::results::estimate::FrameEstimate| {
+    let distance = |estimate: &sinew_results::estimate::FrameEstimate| {
         let knee = tree.point_index("RKnee").unwrap();
         let truth = recording.truth.frames[estimate.number as usize][recording.truth.index("RKnee").unwrap()];
         let at = estimate.points[knee].mean;

@@ -48,7 +48,7 @@ pub fn check(workspace: &Workspace) -> Vec<Violation> {
         }
         let Some(library) = file.library() else { continue };
         match library {
-            "sinew-cli" => {}
+            "sinew-cli" | "sinew-studies" => {}
             "sinew-runs" => {
                 forbid(file, &TERMINAL, "the program and xtask", &mut violations);
             }

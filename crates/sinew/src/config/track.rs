@@ -5,7 +5,6 @@ use super::settings::Settings;
 use super::value::Value;
 use super::values::Origin;
 use crate::methods::Score;
-use crate::results::standing_trial::StandingTrial;
 use crate::track::error::TrackError;
 use crate::{Error, files};
 use sinew_angles::Convention;
@@ -13,13 +12,14 @@ use sinew_core::lanes::Isa;
 use sinew_dynamics::primitives::file;
 use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::random_walk::Between;
+use sinew_input::footage::{FootageFiles, Init};
+use sinew_input::lag::ClockLag;
+use sinew_input::recording::given::GivenRecording;
 use sinew_latent::file::StoredModel;
 use sinew_observe::Noise;
-use sinew_recording::input::footage::{FootageFiles, Init};
-use sinew_recording::input::lag::ClockLag;
-use sinew_recording::input::recording::given::GivenRecording;
-use sinew_recording::setup::KnownSetup;
-use sinew_recording::setup::shared_cameras::SharedCameras;
+use sinew_results::standing_trial::StandingTrial;
+use sinew_setup::KnownSetup;
+use sinew_setup::shared_cameras::SharedCameras;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -96,7 +96,7 @@ pub struct TrackConfig {
     /// Threads; as many as the system grants if `None`.
     pub threads: Option<usize>,
     /// Where diagnostics fail.
-    pub limits: crate::results::Limits,
+    pub limits: sinew_results::Limits,
     /// Output folder.
     pub out: PathBuf,
     /// Seconds between checkpoints.
@@ -156,7 +156,7 @@ impl Resolved {
             tracking: self.settings(),
             simd: self.values.text("simd"),
             threads: self.values.count("threads").map(|threads| usize::try_from(threads).unwrap_or(usize::MAX)),
-            limits: crate::results::Limits {
+            limits: sinew_results::Limits {
                 r_hat: self.values.number("max_r_hat").unwrap_or(f64::INFINITY),
                 r_hat_share: self.values.number("max_r_hat_share").unwrap_or(1.0),
                 divergent_share: self.values.number("max_divergent_share").unwrap_or(1.0),
