@@ -30,7 +30,7 @@
 use crate::nearest::nearest;
 use crate::rotation::{Matrix, about_axis, product};
 use crate::source_text::shortened;
-use crate::xml_text::{Element, parse};
+use crate::xml_text::{Element, Xml};
 use crate::{Error, Place};
 use sinew_body::{Axis, Joint, KinematicTree, Link, Point};
 use std::collections::BTreeMap;
@@ -51,7 +51,7 @@ struct Hinge<'a> {
     rest: Option<Matrix>,
     joints: Vec<Joint>,
     range: Option<[f64; 2]>,
-    element: &'a Element<'a>,
+    element: Element<'a>,
 }
 
 /// Types of joints that are read.
@@ -63,14 +63,15 @@ const TYPES: &str = "fixed, revolute, continuous, prismatic or floating";
 /// XML that is malformed, a document that is no robot, joints of other types, without parent or child or with such as are no links, two joints
 /// above one link, rings of joints, numbers that are none.
 pub fn read(name: &str, text: &str) -> Result<Urdf, Error> {
-    let root = parse(name, text)?;
-    if root.name != "robot" {
+    let xml = Xml::parse(name, text)?;
+    let root = xml.root();
+    if root.name() != "robot" {
         return Err(Error::MissingField { place: Place::file(name), field: "<robot>".into() });
     }
-    let at = |element: &Element<'_>| Place::file(name).at_line(element.line);
-    let required = |element: &Element<'_>, key: &str| {
-        let missing = || Error::MissingField { place: at(element), field: format!("{}.{key}", element.name) };
-        element.attribute(key).ok_or_else(missing)
+    let at = |element: Element<'_>| Place::file(name).at_line(element.line());
+    let required = |element: Element<'_>, key: &str| {
+        let missing = || Error::MissingField { place: at(element), field: format!("{}.{key}", element.name()) };
+        element.attribute(key).map(str::to_owned).ok_or_else(missing)
     };
     let names = root.named("link").map(|link| required(link, "name")).collect::<Result<Vec<String>, Error>>()?;
     let mut above: BTreeMap<String, Hinge<'_>> = BTreeMap::new();
@@ -111,7 +112,7 @@ pub fn read(name: &str, text: &str) -> Result<Urdf, Error> {
             false
         });
         if waiting.len() == before {
-            let ring = above.get(waiting[0]).map_or(&root, |hinge| hinge.element);
+            let ring = above.get(waiting[0]).map_or(root, |hinge| hinge.element);
             let (found, expected) = (format!("a ring of joints through `{}`", waiting[0]), "a tree of links".into());
             return Err(Error::Syntax { place: at(ring), found, expected });
         }
@@ -122,13 +123,13 @@ pub fn read(name: &str, text: &str) -> Result<Urdf, Error> {
     Ok(Urdf { tree, ranges })
 }
 
-fn hinge<'a>(element: &'a Element<'a>, parent: String, at: &impl Fn(&Element<'_>) -> Place) -> Result<Hinge<'a>, Error> {
+fn hinge<'a>(element: Element<'a>, parent: String, at: &impl Fn(Element<'_>) -> Place) -> Result<Hinge<'a>, Error> {
     let vector = |tag: &str, key: &str, usual: [f64; 3]| {
         let child = element.named(tag).next();
         let Some((child, text)) = child.and_then(|child| Some((child, child.attribute(key)?))) else {
             return Ok(usual);
         };
-        numbers::<3>(&text).ok_or_else(|| bad(at(child), key, &text, "three finite numbers"))
+        numbers::<3>(text).ok_or_else(|| bad(at(child), key, text, "three finite numbers"))
     };
     let offset = vector("origin", "xyz", [0.0; 3])?;
     let angles = vector("origin", "rpy", [0.0; 3])?;
@@ -139,7 +140,7 @@ fn hinge<'a>(element: &'a Element<'a>, parent: String, at: &impl Fn(&Element<'_>
         Axis::along(vector).map_err(|_| bad(at(element), "axis", &format!("{vector:?}"), "a vector that is not zero"))
     };
     let kind = element.attribute("type").unwrap_or_default();
-    let joints = match kind.as_str() {
+    let joints = match kind {
         "fixed" => vec![],
         "revolute" | "continuous" => vec![Joint::Rotate(axis()?)],
         "prismatic" => vec![Joint::Translate(axis()?)],
@@ -147,11 +148,11 @@ fn hinge<'a>(element: &'a Element<'a>, parent: String, at: &impl Fn(&Element<'_>
             use Axis::{X, Y, Z};
             [X, Y, Z].map(Joint::Translate).into_iter().chain([Z, Y, X].map(Joint::Rotate)).collect()
         }
-        _ => return Err(bad(at(element), "type", &kind, TYPES)),
+        _ => return Err(bad(at(element), "type", kind, TYPES)),
     };
     let limit = |key: &str| {
         let text = element.named("limit").next().and_then(|limit| limit.attribute(key))?;
-        Some(numbers::<1>(&text).map(|[x]| x).ok_or_else(|| bad(at(element), key, &text, "a finite number")))
+        Some(numbers::<1>(text).map(|[x]| x).ok_or_else(|| bad(at(element), key, text, "a finite number")))
     };
     let range = match (limit("lower").transpose()?, limit("upper").transpose()?) {
         (Some(lower), Some(upper)) if kind == "revolute" || kind == "prismatic" => Some([lower, upper]),
@@ -177,7 +178,9 @@ mod tests {
     /// A joint from link `a` to link `b`.
     fn joint(kind: &str, inside: &str) -> String {
         let ends = "<parent link='a'/><child link='b'/>";
-        format!("<robot name='r'><link name='b'/><link name='a'/><joint name='j' type='{kind}'>{ends}{inside}</joint></robot>")
+        format!(
+            "<robot name='r'><link name='b'/><link name='a'/><joint name='j' type='{kind}'>{ends}{inside}</joint></robot>"
+        )
     }
 
     /// Worked by hand: a quarter turn of the frame about z takes the axis x to y, which turns z to x.
