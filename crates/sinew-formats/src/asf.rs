@@ -26,4 +26,4 @@ mod parser;
 mod skeleton;
 
 pub use parser::read;
-pub use skeleton::{Asf, Bone, RootChannel};
+pub use skeleton::{Asf, AsfBone, RootChannel};

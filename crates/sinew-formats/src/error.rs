@@ -358,6 +358,34 @@ fn difference(frames: u64, other_frames: u64, ends: (i64, i64)) -> String {
     }
 }
 
+/// The errors of a place.
+impl Place {
+    /// The error that something else stands here.
+    pub(crate) fn syntax(self, found: impl Into<String>, expected: impl Into<String>) -> Error {
+        Error::Syntax { place: self, found: found.into(), expected: expected.into() }
+    }
+
+    /// The error that a field has a value that it must not have.
+    pub(crate) fn bad_value(
+        self,
+        field: impl Into<String>,
+        found: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Error {
+        Error::BadValue { place: self, field: field.into(), found: found.into(), expected: expected.into() }
+    }
+
+    /// The error that a field is missing.
+    pub(crate) fn lacks(self, field: impl Into<String>) -> Error {
+        Error::MissingField { place: self, field: field.into() }
+    }
+
+    /// The error that a name is there twice.
+    pub(crate) fn twice(self, what: &'static str, name: impl Into<String>) -> Error {
+        Error::DuplicateName { place: self, what, name: name.into() }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -21,10 +21,7 @@ use crate::source_text::{shortened, without_mark};
 use crate::xml_text::{Element, Xml, unescaped};
 use crate::{Error, Place};
 pub(crate) use node::Node;
-use node::Value;
-
-/// Nesting allowed; calibrations need four levels.
-const MAX_DEPTH: usize = 100;
+use node::{Value, check_depth};
 
 /// Outermost element of the XML form.
 const ROOT: &str = "opencv_storage";
@@ -70,11 +67,6 @@ fn from_xml(file: &str, element: Element<'_>, depth: usize) -> Result<Node, Erro
         )
     };
     Ok(Node { line, value })
-}
-
-fn check_depth(file: &str, line: usize, depth: usize) -> Result<(), Error> {
-    let place = || Place::file(file).at_line(line);
-    if depth < MAX_DEPTH { Ok(()) } else { Err(Error::TooDeep { place: place(), limit: MAX_DEPTH }) }
 }
 
 /// Words of a text; what stands in quotes is one.

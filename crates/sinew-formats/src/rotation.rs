@@ -3,30 +3,13 @@
 //! A Rodrigues vector has the direction of the axis and the length of the angle. Matrices are rows first. The product
 //! `R_c(γ) R_b(β) R_a(α)` turns about the fixed axis a first.
 
-/// A 3 × 3 matrix, rows first.
-pub type Matrix = [[f64; 3]; 3];
-
-/// The matrix that changes nothing.
-pub const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-
-/// Matrix product.
-#[must_use]
-pub fn product(a: &Matrix, b: &Matrix) -> Matrix {
-    let bt = transpose(b);
-    a.map(|row| bt.map(|column| dot(row, column)))
-}
+pub use sinew_body::rotation::{IDENTITY, Matrix, apply, product};
 
 /// Transpose, which for a rotation is the inverse.
 #[must_use]
 pub fn transpose(m: &Matrix) -> Matrix {
     let [[a, b, c], [d, e, f], [g, h, i]] = *m;
     [[a, d, g], [b, e, h], [c, f, i]]
-}
-
-/// Matrix times vector.
-#[must_use]
-pub fn apply(m: &Matrix, v: [f64; 3]) -> [f64; 3] {
-    m.map(|row| dot(row, v))
 }
 
 fn dot([a, b, c]: [f64; 3], [x, y, z]: [f64; 3]) -> f64 {

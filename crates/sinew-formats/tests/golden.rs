@@ -9,7 +9,7 @@ use sinew_body::{Axis, Joint, KinematicTree, Link, Point};
 use sinew_formats::calibration::{self, CalibrationFormat};
 use sinew_formats::rotation::{IDENTITY, Matrix};
 use sinew_formats::tidy_csv::Cell;
-use sinew_formats::zarr::inference_data::{DrawsKind, Run, posterior, schema};
+use sinew_formats::zarr::inference_data::{DrawsKind, RunAttributes, posterior, schema};
 use sinew_formats::zarr::{FrameValues, MemoryStore, Writer};
 use sinew_formats::{body_toml, bvh, c3d, calib_toml, layout, mot, tidy_csv, trc};
 use sinew_observe::cameras::lens::Brown;
@@ -145,7 +145,8 @@ fn bodies_and_layouts() {
 
 #[test]
 fn stores() {
-    let run = Run { library_version: "0.1.0", method: "hmc", kind: DrawsKind::Smoothed, seed: 7, created_at: None };
+    let run =
+        RunAttributes { library_version: "0.1.0", method: "hmc", kind: DrawsKind::Smoothed, seed: 7, created_at: None };
     let mut schema = schema(1, 2, vec!["knee.rx".into()], vec!["Nose".into()]);
     schema.groups.push(posterior(&run));
     let mut writer = Writer::create(MemoryStore::default(), schema).unwrap();

@@ -1,7 +1,7 @@
 //! The Zarr store: its own metadata against its chunks, and read by Python where that is installed.
 
 use serde_json::Value;
-use sinew_formats::zarr::inference_data::{DrawsKind, Run, group, posterior, root, schema};
+use sinew_formats::zarr::inference_data::{DrawsKind, RunAttributes, group, posterior, root, schema};
 use sinew_formats::zarr::{Constant, DataType, FrameValues, Labels, MemoryStore, Schema, Store, Variable, Writer};
 use std::io;
 use std::process::Command;
@@ -12,8 +12,8 @@ const DOF: usize = 3;
 const MARKERS: usize = 2;
 const FRAMES: usize = 150;
 
-const RUN: Run<'_> =
-    Run { library_version: "0.1.0", method: "hmc", kind: DrawsKind::Filtered, seed: 7, created_at: None };
+const RUN: RunAttributes<'_> =
+    RunAttributes { library_version: "0.1.0", method: "hmc", kind: DrawsKind::Filtered, seed: 7, created_at: None };
 
 fn example_schema() -> Schema {
     let dof = (0..DOF).map(|i| format!("knee.r{i}")).collect();

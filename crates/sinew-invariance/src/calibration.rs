@@ -5,10 +5,11 @@
 //!
 //! Shapes of the histogram have names: ∪ intervals too narrow, ∩ too wide, a slope a bias, a spike at an end draws that are correlated or stuck.
 
+use crate::control::Control;
 use crate::detectable::Wrong;
 use crate::exact_rank::Tally;
 use crate::p_values::against_expected;
-use crate::sequential::{About, Control, Measured, run};
+use crate::sequential::{About, Measured, run};
 use crate::{Report, TestFunctions};
 use sinew_core::random::{BlockRng, Stage};
 

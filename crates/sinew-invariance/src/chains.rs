@@ -4,10 +4,11 @@
 //! of draws. [`mixing`] reports autocorrelation times and R̂ of the same runs, for targets without exact values.
 
 use crate::TestFunctions;
+use crate::control::Control;
 use crate::detectable::{Estimate, one_sigma};
 use crate::p_values::{normal_p, share_p};
 use crate::report::{Bound, Report, Statistic};
-use crate::sequential::{About, Control, Measured, run};
+use crate::sequential::{About, Measured, run};
 use sinew_core::diagnostics::{effective_sample_size, rank_r_hat, split_r_hat};
 use sinew_core::random::{BlockRng, Stage};
 

@@ -5,8 +5,8 @@
 //! is nine in ten, times the standard error of the statistic in the first stage, is the size that is reported. Other statistics are taken to be right; their doubts make a further stage, and so a failure, a little likelier.
 
 use crate::TestFunctions;
+use crate::control::{Control, Threshold};
 use crate::p_values::{kolmogorov_p, normal_p};
-use crate::sequential::{Control, Threshold};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::fmt;
 

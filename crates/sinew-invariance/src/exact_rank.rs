@@ -5,10 +5,11 @@
 //!
 //! A reversible kernel (every Metropolis–Hastings kernel with one proposal) is its own reversal. A sweep over coordinates in a fixed order is not: its reversal sweeps the other way.
 
+use crate::control::Control;
 use crate::draws::index;
 use crate::exact_start::{LEAST_MOVED, Moved};
 use crate::p_values::uniform_counts;
-use crate::sequential::{About, Control, Measured, run};
+use crate::sequential::{About, Measured, run};
 use crate::{Report, TestFunctions};
 use sinew_core::random::{BlockRng, Stage};
 

@@ -10,10 +10,11 @@
 //! No burn-in, no autocorrelation, no tuning of the comparison. A kernel that does not move keeps any target; one that moves fewer starts than `least_moved`, by default one in a hundred, fails
 //! here, since next to nothing was tested. What this test cannot see: a kernel that moves within a part of the state only. [`crate::long_run`] sees that.
 
+use crate::control::Control;
 use crate::detectable::{Estimate, one_sigma};
 use crate::p_values::{mean_is_zero, signs_p};
 use crate::report::{Bound, Statistic};
-use crate::sequential::{About, Control, Measured, run};
+use crate::sequential::{About, Measured, run};
 use crate::{Report, TestFunctions};
 use sinew_core::random::{BlockRng, Stage};
 

@@ -8,9 +8,10 @@
 //! Means of test functions of (θ, y) must agree. Here each successive chain starts from a draw of its own from the prior, so that it has the joint law from its first state on, and there are many of them: their means are
 //! independent, and no autocorrelation has to be estimated. A small error of the kernel is carried from cycle to cycle and adds up along a chain, which gives the test its power.
 
+use crate::control::Control;
 use crate::detectable::{Estimate, one_sigma};
 use crate::p_values::normal_p;
-use crate::sequential::{About, Control, Measured, run};
+use crate::sequential::{About, Measured, run};
 use crate::{Report, TestFunctions};
 use sinew_core::random::{BlockRng, Stage};
 

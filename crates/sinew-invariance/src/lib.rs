@@ -4,6 +4,7 @@
 
 pub mod calibration;
 mod chains;
+mod control;
 mod detectable;
 pub mod draws;
 mod exact_rank;
@@ -26,6 +27,7 @@ mod two_sample;
 
 pub use calibration::{RankCalibration, Ranks, calibration};
 pub use chains::{LongRun, long_run, mixing};
+pub use control::Control;
 pub use detectable::{Detectable, Wrong};
 pub use exact_rank::{ExactRank, exact_rank};
 pub use exact_start::{ExactStart, exact_start};
@@ -34,6 +36,5 @@ pub use gradient::{Differences, gradient};
 pub use integrator::{Integrator, PhaseSpaceMap, Start, energy_order, reversibility, volume};
 pub use report::{Bound, Report, Statistic};
 pub use resampling::{CountLaw, Resampling, resampling};
-pub use sequential::Control;
 pub use test_functions::TestFunctions;
 pub use two_sample::two_sample;

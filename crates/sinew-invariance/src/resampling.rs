@@ -8,8 +8,9 @@
 //! - the mean count of each index is N W_i: p-values are Chernoff's bound, 2 exp(−T KL(q̂ ‖ q)), which holds for any number of offspring, rare or not (Hoeffding 1963). Here q is the expected share of T trials: for a
 //!   multinomial each offspring is a trial; where the scheme is sure of ⌊N W_i⌋ copies only what it may add to them is.
 
+use crate::control::Control;
 use crate::report::{Bound, Report, Statistic};
-use crate::sequential::{About, Control, Measured, run};
+use crate::sequential::{About, Measured, run};
 use sinew_core::random::{BlockRng, Stage};
 
 /// Bounds that a scheme gives for each count.

@@ -13,7 +13,7 @@ use crate::storage::Storage;
 use serde::{Deserialize, Serialize};
 use sinew_body::{Joint, Plan, point_positions};
 use sinew_core::lanes::Isa;
-use sinew_formats::zarr::inference_data::{self, Run};
+use sinew_formats::zarr::inference_data::{self, RunAttributes};
 use sinew_formats::zarr::{Constant, DataType, FrameValues, Group, Labels, Store, Variable, Writer};
 use std::collections::BTreeSet;
 use std::io::{self, Write as _};
@@ -240,7 +240,7 @@ const PER_DRAW: &[&str] = &["chain", "draw", "frame"];
 const PER_FRAME: &[&str] = &["chain", "frame"];
 
 /// `sample_stats`: what the method brings.
-fn statistics(carried: Carried, run: &Run<'_>) -> Group {
+fn statistics(carried: Carried, run: &RunAttributes<'_>) -> Group {
     let mut statistics = inference_data::group("sample_stats", run);
     let mut add = |wanted: bool, name: &str, dimensions: &[&str], data_type| {
         if wanted {
@@ -262,7 +262,7 @@ fn statistics(carried: Carried, run: &Run<'_>) -> Group {
 }
 
 fn schema(info: &RunInfo, rotations: &[usize]) -> sinew_formats::zarr::Schema {
-    let run = Run {
+    let run = RunAttributes {
         library_version: env!("CARGO_PKG_VERSION"),
         method: &info.method,
         kind: match info.kind {

@@ -5,32 +5,15 @@
 //!
 //! Starts come in blocks of eight, the last one padded, or one chain a block in its first lane: a density of single states then costs one evaluation a step and not eight, and chains run on all threads.
 
+pub use crate::chain_stat::ChainStat;
+
 use crate::Error;
-use crate::diagnostics::{effective_sample_size, energy_fraction, split_r_hat};
-use crate::hmc::{Chains, Hmc, Update, Workspace, update};
+use crate::hmc::kernel::{Chains, Hmc, Update, Workspace, update};
 use rayon::prelude::*;
 use sinew_core::density::GradLogDensity;
+use sinew_core::diagnostics::{effective_sample_size, energy_fraction, split_r_hat};
 use sinew_core::lanes::{Block, LANES};
 use sinew_core::random::Stage;
-
-/// What is known of one draw of a chain.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ChainStat {
-    /// Log density of the target.
-    pub log_density: f64,
-    /// Probability with which the trajectory was accepted; 1 for a start.
-    pub acceptance: f64,
-    /// Factor of the step size in this trajectory (jitter).
-    pub step_factor: f64,
-    /// Whether it diverged.
-    pub divergent: bool,
-    /// Hamiltonian of the draw; of a start its potential.
-    pub energy: f64,
-    /// Gradients that the trajectory took; 0 for a start.
-    pub leapfrog_steps: u32,
-    /// Doublings of a no-U-turn tree that were kept; 0 elsewhere.
-    pub depth: u32,
-}
 
 /// How long chains run and what is kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

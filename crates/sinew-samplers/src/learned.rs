@@ -69,7 +69,7 @@ pub fn metric<T: GradLogDensity + ?Sized>(
 mod tests {
     use super::*;
     use crate::chains::{Schedule, draw_trajectories};
-    use crate::hmc::Hmc;
+    use crate::hmc::kernel::Hmc;
     use sinew_core::density::Lanes;
     use sinew_core::lanes::triangle;
     use sinew_core::random::Stage;

@@ -1,7 +1,9 @@
+//! Samplers of a density, their kernels, and searches.
 #![doc = include_str!("../README.md")]
 
 pub mod annealed_search;
 pub mod ascent;
+mod chain_stat;
 pub mod chains;
 pub mod crossover;
 pub mod curvature;

@@ -17,10 +17,10 @@
 //! All lanes call the gradient together but each grows its own tree, and where one is complete the next begins in the same lane. Stop lanes after equal numbers of transitions, as [`draw_trees`] does: after equal numbers of gradients,
 //! long transitions would be missing. Step and metric are fixed; jitter is drawn once a transition and independently of the state. Nothing is allocated per step.
 
-mod draws;
+pub(crate) mod draws;
 mod sample;
 mod step;
-mod transition;
+pub(crate) mod transition;
 mod trees;
 
 pub use draws::{TreeRun, adapt, draw_trees};

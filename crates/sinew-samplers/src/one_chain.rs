@@ -2,7 +2,7 @@
 //!
 //! Eight chains cost as much as one; use [`crate::hmc::update`] where there are several.
 
-use crate::hmc::{Chains, Hmc, Workspace, update};
+use crate::hmc::kernel::{Chains, Hmc, Workspace, update};
 use sinew_core::density::GradLogDensity;
 use sinew_core::kernel::{Invariant, MarkovKernel};
 use sinew_core::lanes::{Block, get_lane};

@@ -2,7 +2,6 @@
 
 use crate::Error;
 use crate::chains::{ChainDraws, ChainStat};
-use crate::summary::Summary;
 use sinew_core::lanes::LANES;
 
 /// Draws of all chains of one run.
@@ -112,12 +111,6 @@ impl Run {
         let warm_up = self.warm_up.as_ref().map(|run| Box::new(run.mapped(names, of)));
         let (names, stats, log_evidence) = (names.to_vec(), self.stats.clone(), self.log_evidence.clone());
         Self { names, states, warm_up, stats, log_evidence, ..*self }
-    }
-
-    /// Means, deviations and what the draws are worth, and whether anything speaks against them.
-    #[must_use]
-    pub fn summary(&self) -> Summary {
-        Summary::of(self)
     }
 }
 

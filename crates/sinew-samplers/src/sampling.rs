@@ -9,7 +9,7 @@
 use crate::Error;
 use crate::chains::{ChainDraws, Schedule};
 use crate::density::{Density, OneByOne};
-use crate::hmc::Hmc;
+use crate::hmc::kernel::Hmc;
 use crate::run::Run;
 use crate::starts::uniform_starts;
 use crate::tuning::{self, StepSizeTrial, Tuned};

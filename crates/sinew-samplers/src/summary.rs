@@ -3,8 +3,8 @@
 //! The numbers are ArviZ's ([`crate::diagnostics`]). What is warned of are Stan's rules: divergences, trees at their greatest depth, E-BFMI below 0.3, R̂ above 1.01, effective sample sizes below 100 a chain.
 
 use crate::chains::ChainStat;
-use crate::diagnostics::{bulk_ess, energy_fraction, mcse_of_mean, rank_r_hat, tail_ess};
 use crate::run::Run;
+use sinew_core::diagnostics::{bulk_ess, energy_fraction, mcse_of_mean, rank_r_hat, tail_ess};
 use std::fmt;
 
 /// Largest R̂ of chains that agree.
@@ -17,7 +17,7 @@ pub const LEAST_ENERGY_FRACTION: f64 = 0.3;
 /// One coordinate.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub struct Row {
+pub struct SummaryRow {
     /// Its name.
     pub name: String,
     /// Mean of all draws.
@@ -37,7 +37,7 @@ pub struct Row {
 /// Something that speaks against the draws.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
-pub enum Warning {
+pub enum RunWarning {
     /// Trajectories diverged: where the density bends too strongly for the step size, draws are missing.
     Divergences {
         /// How many.
@@ -75,7 +75,7 @@ pub enum Warning {
     },
 }
 
-impl fmt::Display for Warning {
+impl fmt::Display for RunWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let percent = |count: usize, draws: usize| 100.0 * count as f64 / draws as f64;
         match self {
@@ -107,7 +107,7 @@ impl fmt::Display for Warning {
 #[non_exhaustive]
 pub struct Summary {
     /// One row a coordinate.
-    pub rows: Vec<Row>,
+    pub rows: Vec<SummaryRow>,
     /// Number of chains.
     pub chains: usize,
     /// Draws of one chain.
@@ -125,15 +125,15 @@ pub struct Summary {
     /// Mean of the evidence's estimates, as a logarithm, and the standard deviation of their logarithms; of tempered sequential Monte Carlo.
     pub log_evidence: Option<(f64, f64)>,
     /// What speaks against the draws; empty if nothing does.
-    pub warnings: Vec<Warning>,
+    pub warnings: Vec<RunWarning>,
 }
 
-fn row(run: &Run, coordinate: usize) -> Row {
+fn row(run: &Run, coordinate: usize) -> SummaryRow {
     let chains = run.series(coordinate);
     let n = run.stats.len() as f64;
     let mean = chains.iter().flatten().map(|x| x / n).sum::<f64>();
     let square = chains.iter().flatten().map(|x| (x - mean) * (x - mean)).sum::<f64>();
-    Row {
+    SummaryRow {
         name: run.names[coordinate].clone(),
         mean,
         sd: (square / (n - 1.0)).sqrt(),
@@ -155,7 +155,7 @@ fn evidence(logs: &[f64]) -> Option<(f64, f64)> {
 
 impl Summary {
     pub(crate) fn of(run: &Run) -> Self {
-        let rows: Vec<Row> = (0..run.dim()).map(|j| row(run, j)).collect();
+        let rows: Vec<SummaryRow> = (0..run.dim()).map(|j| row(run, j)).collect();
         let energies = |chain| run.chain_stats(chain).iter().map(|stat| stat.energy).collect::<Vec<_>>();
         let count = |of: &dyn Fn(&ChainStat) -> bool| run.stats.iter().filter(|stat| of(stat)).count();
         let mut summary = Self {
@@ -180,31 +180,31 @@ impl Summary {
         self.warnings.is_empty()
     }
 
-    fn doubts(&self) -> Vec<Warning> {
+    fn doubts(&self) -> Vec<RunWarning> {
         let draws = self.chains * self.draws;
         let mut warnings = vec![];
         if self.divergences > 0 {
-            warnings.push(Warning::Divergences { count: self.divergences, draws });
+            warnings.push(RunWarning::Divergences { count: self.divergences, draws });
         }
         if self.at_greatest_depth > 0 {
-            warnings.push(Warning::GreatestDepth { count: self.at_greatest_depth, draws });
+            warnings.push(RunWarning::GreatestDepth { count: self.at_greatest_depth, draws });
         }
         let least = self.energy_fraction.iter().copied().fold(f64::INFINITY, f64::min);
         if least < LEAST_ENERGY_FRACTION {
-            warnings.push(Warning::EnergyFraction { least });
+            warnings.push(RunWarning::EnergyFraction { least });
         }
         let ranked = |r_hat: f64| if r_hat.is_nan() { f64::INFINITY } else { r_hat };
         if let Some(worst) = self.rows.iter().max_by(|a, b| ranked(a.r_hat).total_cmp(&ranked(b.r_hat)))
             && ranked(worst.r_hat) > MOST_R_HAT
         {
-            warnings.push(Warning::RHat { name: worst.name.clone(), value: worst.r_hat });
+            warnings.push(RunWarning::RHat { name: worst.name.clone(), value: worst.r_hat });
         }
-        let worth = |row: &Row| if row.tail_ess.is_nan() { 0.0 } else { row.bulk_ess.min(row.tail_ess) };
+        let worth = |row: &SummaryRow| if row.tail_ess.is_nan() { 0.0 } else { row.bulk_ess.min(row.tail_ess) };
         let needed = LEAST_ESS * self.chains as f64;
         if let Some(worst) = self.rows.iter().min_by(|a, b| worth(a).total_cmp(&worth(b)))
             && worth(worst) < needed
         {
-            warnings.push(Warning::EffectiveSampleSize { name: worst.name.clone(), value: worth(worst), needed });
+            warnings.push(RunWarning::EffectiveSampleSize { name: worst.name.clone(), value: worth(worst), needed });
         }
         warnings
     }
@@ -251,5 +251,12 @@ impl fmt::Display for Summary {
             write!(f, ", log evidence {mean:.3} (sd {sd:.3})")?;
         }
         self.warnings.iter().try_for_each(|warning| write!(f, "\ndoes not hold: {warning}"))
+    }
+}
+impl Run {
+    /// Means, deviations and what the draws are worth, and whether anything speaks against them.
+    #[must_use]
+    pub fn summary(&self) -> Summary {
+        Summary::of(self)
     }
 }

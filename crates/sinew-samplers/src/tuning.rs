@@ -10,9 +10,10 @@
 
 use crate::Error;
 use crate::chains::{ChainDraws, Schedule, draw_trajectories};
-use crate::hmc::Hmc;
+use crate::hmc::kernel::Hmc;
 use crate::metric::Metric;
-use crate::nuts::{self, Nuts};
+use crate::nuts::draws::draw_trees;
+use crate::nuts::transition::Nuts;
 use sinew_core::density::GradLogDensity;
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
@@ -191,7 +192,7 @@ pub fn no_u_turn<T: GradLogDensity + ?Sized>(
     let mut run = |eta: f64, updates: usize, stage: &Stage| {
         let nuts = Nuts::with_metric(eta, trial.metric, max_depth, config.jitter, trial.isa)?;
         let schedule = Schedule { updates, burn_in: 1.min(updates) };
-        let run = nuts::draw_trees(trial.target, &nuts, &trial.states, trial.chains(), schedule, stage)?;
+        let run = draw_trees(trial.target, &nuts, &trial.states, trial.chains(), schedule, stage)?;
         trial.states.clone_from(&run.draws.last);
         Ok::<_, Error>(run)
     };

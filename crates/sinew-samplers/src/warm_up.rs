@@ -12,7 +12,8 @@ use crate::ascent::ascend;
 use crate::chains::{ChainDraws, Schedule};
 use crate::dual_averaging::DualAveraging;
 use crate::metric::Metric;
-use crate::nuts::{self, Nuts};
+use crate::nuts::draws;
+use crate::nuts::transition::{MAX_DEPTH, Nuts};
 use crate::{Error, learned};
 use sinew_core::density::GradLogDensity;
 use sinew_core::estimators::median;
@@ -46,7 +47,7 @@ impl Default for Config {
             last_window: 100,
             acceptance: 0.8,
             first_step_sizes: [0.1, 0.5],
-            max_depth: nuts::MAX_DEPTH,
+            max_depth: MAX_DEPTH,
             keep_draws: false,
         }
     }
@@ -108,7 +109,7 @@ pub fn warm_up<T: GradLogDensity + ?Sized>(
         let schedule = Schedule { updates, burn_in: if config.keep_draws { 1.min(updates) } else { second_half } };
         let first = config.first_step_sizes[window.min(1)];
         let search = DualAveraging::new(first, config.acceptance);
-        let (run, step_sizes) = nuts::adapt(target, &nuts, &states, chains, schedule, search, &stage.round(window))?;
+        let (run, step_sizes) = draws::adapt(target, &nuts, &states, chains, schedule, search, &stage.round(window))?;
         states.clone_from(&run.draws.last);
         if window < config.windows.len() {
             let second_half = run.draws.select(&(0..chains).collect::<Vec<_>>(), second_half - schedule.burn_in);

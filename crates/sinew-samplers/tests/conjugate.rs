@@ -1,6 +1,6 @@
 //! Samplers of populations on a linear-Gaussian frame, where posterior and evidence have closed forms.
 //!
-//! Prior N(m, diag s²) in three dimensions, one observation y = a·x + N(0, σ²), two prior standard deviations from what is expected and 25 times as sharp. Statistical tests
+//! PriorDensity N(m, diag s²) in three dimensions, one observation y = a·x + N(0, σ²), two prior standard deviations from what is expected and 25 times as sharp. Statistical tests
 //! compare means over independent runs by |z| < 4.5, a false alarm in 10⁵ each.
 
 use sinew_core::combinators::Sum;

@@ -6,7 +6,7 @@ use sinew_core::density::Lanes;
 use sinew_core::lanes::Isa;
 use sinew_core::toy::Quadratic;
 use sinew_samplers::diagnostics::{effective_sample_size, mcse_of_mean};
-use sinew_samplers::summary::Warning;
+use sinew_samplers::summary::RunWarning;
 use sinew_samplers::tempered_smc::NormalPrior;
 use sinew_samplers::{Density, Error, Run, Starts, check_gradient, hmc, jumps, nuts, tempered_smc};
 use std::path::PathBuf;
@@ -91,7 +91,7 @@ fn jumps_weigh_modes_that_trajectories_do_not_join() {
     let alone =
         nuts::sample(&Apart, nuts::Settings { seed: 4, starts: starts(), ..Default::default() }).expect("samples");
     let warnings = alone.summary().warnings;
-    assert!(warnings.iter().any(|w| matches!(w, Warning::RHat { value, .. } if *value > 1.5)), "{warnings:?}");
+    assert!(warnings.iter().any(|w| matches!(w, RunWarning::RHat { value, .. } if *value > 1.5)), "{warnings:?}");
     let run =
         jumps::sample(&Apart, jumps::Settings { seed: 5, starts: starts(), ..Default::default() }).expect("samples");
     assert!(run.summary().holds(), "{}", run.summary());

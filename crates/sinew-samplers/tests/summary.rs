@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use sinew_samplers::Run;
-use sinew_samplers::summary::Warning;
+use sinew_samplers::summary::RunWarning;
 
 fn numbers(value: &Value) -> Vec<f64> {
     let number = |x: &Value| x.as_f64().map_or_else(|| numbers(x), |x| vec![x]);
@@ -52,9 +52,9 @@ fn what_speaks_against_draws_is_said() {
     let summary = run.summary();
     assert!(!summary.holds());
     assert_eq!(summary.warnings.len(), 5, "{summary}");
-    assert_eq!(summary.warnings[0], Warning::Divergences { count: 90, draws: 180 });
-    assert_eq!(summary.warnings[1], Warning::GreatestDepth { count: 1, draws: 180 });
-    assert!(matches!(&summary.warnings[3], Warning::RHat { name, .. } if name == "slow"));
+    assert_eq!(summary.warnings[0], RunWarning::Divergences { count: 90, draws: 180 });
+    assert_eq!(summary.warnings[1], RunWarning::GreatestDepth { count: 1, draws: 180 });
+    assert!(matches!(&summary.warnings[3], RunWarning::RHat { name, .. } if name == "slow"));
     let text = summary.to_string();
     for words in [
         "          mean        sd      mcse  bulk ESS  tail ESS     R-hat",
@@ -72,5 +72,5 @@ fn what_speaks_against_draws_is_said() {
 #[test]
 fn chains_that_never_move_do_not_hold() {
     let summary = Run::of_chains(vec!["x".into()], 2, vec![1.0; 100]).expect("two chains").summary();
-    assert!(matches!(&summary.warnings[..], [Warning::RHat { value, .. }, ..] if value.is_nan()), "{summary}");
+    assert!(matches!(&summary.warnings[..], [RunWarning::RHat { value, .. }, ..] if value.is_nan()), "{summary}");
 }

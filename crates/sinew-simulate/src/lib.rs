@@ -44,6 +44,7 @@ pub mod render;
 pub mod ring;
 pub mod room;
 pub mod segmentation_noise;
+mod smooth_step;
 mod space;
 pub mod walker;
 

@@ -9,7 +9,7 @@
 //!
 //! so that the curvature rises to 4π/3ℓ, stays, and falls, without a jump. The first line begins at the wall.
 
-use crate::walker::step_integral;
+use crate::smooth_step::step_integral;
 use std::f64::consts::PI;
 
 /// How far the root of the body stays from the walls: room for arms and feet, metres.

@@ -19,6 +19,7 @@
 
 use crate::gait::{ANKLE, HIP, KNEE};
 use crate::room::Way;
+use crate::smooth_step::{step, step_integral};
 use sinew_body::standard::h32;
 use sinew_body::{KinematicTree, Plan, Proportions, point_positions};
 use sinew_core::lanes::Isa;
@@ -215,18 +216,6 @@ pub fn walker_pose(walker: &Walker, time_s: f64) -> Vec<f64> {
 pub fn walker_states(walker: &Walker, rate_hz: f64) -> Vec<Vec<f64>> {
     let frames = (walker.gait.duration_s * rate_hz).round() as usize;
     (0..frames).map(|frame| walker_pose(walker, frame as f64 / rate_hz)).collect()
-}
-
-/// 0 before 0, 1 after 1, and between them a quintic with two zero derivatives at both ends.
-fn step(t: f64) -> f64 {
-    let t = t.clamp(0.0, 1.0);
-    t * t * t * (10.0 + t * (6.0 * t - 15.0))
-}
-
-/// Integral of [`step`] from 0.
-pub(crate) fn step_integral(t: f64) -> f64 {
-    let s = t.clamp(0.0, 1.0);
-    s * s * s * s * (2.5 + s * (s - 3.0)) + (t - 1.0).max(0.0)
 }
 
 /// Phase of the right leg: it meets the ground at whole numbers, and leaves it [`DOUBLE_SUPPORT`] after the next half. The left leg is half a cycle ahead.

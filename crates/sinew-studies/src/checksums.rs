@@ -55,7 +55,8 @@ fn placed(bytes: Vec<u8>, folders: &[(String, &str)]) -> Vec<u8> {
 fn grouped(of_files: &BTreeMap<String, u64>) -> BTreeMap<String, String> {
     let mut texts: BTreeMap<String, (String, u64)> = BTreeMap::new();
     for (place, own) in of_files {
-        let is_number = |part: &str| part.split('.').next().is_some_and(|stem| stem.ends_with(|c: char| c.is_ascii_digit()));
+        let is_number =
+            |part: &str| part.split('.').next().is_some_and(|stem| stem.ends_with(|c: char| c.is_ascii_digit()));
         let parts: Vec<&str> = place.split('/').collect();
         let store = parts.iter().position(|part| part.ends_with(".zarr"));
         let named = store.or(parts.iter().rposition(|part| !is_number(part))).map_or(0, |last| last + 1);
@@ -169,7 +170,8 @@ mod tests {
         let folders = [("/a/b".to_owned(), "OUT")];
         assert_eq!(placed(b"x /a/b/c /a/b".to_vec(), &folders), b"x OUT/c OUT");
         assert_eq!(sum(b"a"), 0xaf63_dc4c_8601_ec8c);
-        let files = ["a/c/0_1.png", "a/c/0_2.png", "a/b.csv", "a/d.zarr/e/zarr.json"].map(|file| (file.to_owned(), 1)).into();
+        let files =
+            ["a/c/0_1.png", "a/c/0_2.png", "a/b.csv", "a/d.zarr/e/zarr.json"].map(|file| (file.to_owned(), 1)).into();
         assert_eq!(grouped(&files).into_keys().collect::<Vec<_>>(), ["a/b.csv", "a/c/*", "a/d.zarr/*"]);
     }
 }

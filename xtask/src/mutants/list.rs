@@ -4,7 +4,7 @@
 //! [[bug]]
 //! name = "metropolis-test-missing"
 //! what = "Every trajectory is accepted."
-//! file = "crates/sinew-samplers/src/hmc.rs"
+//! file = "crates/sinew-samplers/src/hmc/kernel.rs"
 //! find = "let accepted = uniforms[0].0[lane] < acceptance;"
 //! replace = "let accepted = !divergent;"
 //! caught_by = [{ package = "sinew-samplers", target = "exact_start", test = "name_of_the_test" }]

@@ -4,9 +4,11 @@ use super::workspace::{File, Violation, Workspace};
 use std::collections::BTreeMap;
 
 /// Names that several modules share on purpose, since they are written with the module in front.
-const WITH_MODULE: [(&str, &str); 2] = [
+const WITH_MODULE: [(&str, &str); 4] = [
     ("Config", "the settings of the algorithm of its file: `hmc::Config`"),
     ("Error", "one for each crate: `formats::Error`"),
+    ("Settings", "what `sample` of a sampler takes: `nuts::Settings`"),
+    ("Summary", "of a run of chains, and of a tracked recording: `samplers::summary::Summary`"),
 ];
 
 /// Keywords of types.

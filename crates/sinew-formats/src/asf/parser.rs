@@ -1,6 +1,6 @@
 //! Parser of ASF files: sections `:units`, `:root`, `:bonedata`, `:hierarchy`; others are skipped.
 
-use super::skeleton::{Asf, Bone, RootChannel, fixed_axes};
+use super::skeleton::{Asf, AsfBone, RootChannel, fixed_axes};
 use crate::nearest::nearest;
 use crate::rotation::IDENTITY;
 use crate::source_text::{finite, numbered_lines, shortened};
@@ -219,7 +219,7 @@ impl Parser<'_> {
         let root_order = self.root_order.ok_or_else(|| self.missing(0, ":root axis"))?;
         let matrix =
             |angles: [f64; 3], order| fixed_axes(order, if degrees { angles.map(f64::to_radians) } else { angles });
-        let mut bones: Vec<Bone> = Vec::with_capacity(self.bones.len());
+        let mut bones: Vec<AsfBone> = Vec::with_capacity(self.bones.len());
         let mut pending: Vec<(Option<usize>, String)> = Vec::new();
         let push_children = |pending: &mut Vec<(Option<usize>, String)>, index: Option<usize>, name: &str| {
             let children = self.children.get(name).into_iter().flatten();
@@ -231,7 +231,7 @@ impl Parser<'_> {
             let field = |field: &str| self.missing(raw.line, field);
             let (angles, order) = raw.axis.ok_or_else(|| field("axis"))?;
             push_children(&mut pending, Some(bones.len()), &name);
-            bones.push(Bone {
+            bones.push(AsfBone {
                 name,
                 parent,
                 direction: raw.direction.ok_or_else(|| field("direction"))?,

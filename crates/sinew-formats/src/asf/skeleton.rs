@@ -16,7 +16,7 @@ pub enum RootChannel {
 
 /// A bone.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Bone {
+pub struct AsfBone {
     /// Name.
     pub name: String,
     /// Index of the parent, smaller than this bone's own; `None` for bones of the root.
@@ -49,7 +49,7 @@ pub struct Asf {
     /// Rotation of the root in the rest pose.
     pub root_axis: Matrix,
     /// Bones, parents before children.
-    pub bones: Vec<Bone>,
+    pub bones: Vec<AsfBone>,
 }
 
 impl Asf {

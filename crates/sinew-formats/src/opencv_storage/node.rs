@@ -77,3 +77,12 @@ fn plain_number(text: &str) -> &str {
     let unsigned = text.trim_start_matches(['-', '+']);
     unsigned.strip_prefix('.').filter(|text| is_special(text)).unwrap_or(text)
 }
+
+/// Nesting allowed; calibrations need four levels.
+const MAX_DEPTH: usize = 100;
+
+/// Refuses what is nested too deep.
+pub(super) fn check_depth(file: &str, line: usize, depth: usize) -> Result<(), Error> {
+    let place = || Place::file(file).at_line(line);
+    if depth < MAX_DEPTH { Ok(()) } else { Err(Error::TooDeep { place: place(), limit: MAX_DEPTH }) }
+}

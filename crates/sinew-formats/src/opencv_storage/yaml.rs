@@ -3,8 +3,7 @@
 //! `%YAML:1.0` is no directive, `{ x:1 }` has no blank behind the colon, and files that stand one after the other are one
 //! map: the entries of all documents.
 
-use super::check_depth;
-use super::node::{Node, Value};
+use super::node::{Node, Value, check_depth};
 use crate::source_text::{malformed, shortened, without_mark};
 use crate::{Error, Place};
 use saphyr_parser::{Event, Parser};

@@ -5,8 +5,8 @@
 //! draw index means across frames is stated in `draw_meaning`.
 //!
 //! ```
-//! use sinew_formats::zarr::inference_data::{group, DrawsKind, Run};
-//! let run = Run { library_version: "0.1.0", method: "hmc", kind: DrawsKind::Filtered, seed: 7, created_at: None };
+//! use sinew_formats::zarr::inference_data::{group, DrawsKind, RunAttributes};
+//! let run = RunAttributes { library_version: "0.1.0", method: "hmc", kind: DrawsKind::Filtered, seed: 7, created_at: None };
 //! let posterior = group("posterior", &run);
 //! assert_eq!(posterior.attributes["inference_library"], "sinew");
 //! assert!(posterior.attributes["draw_meaning"].as_str().unwrap().contains("per frame"));
@@ -48,7 +48,7 @@ impl DrawsKind {
 
 /// What the attributes of every group say.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Run<'a> {
+pub struct RunAttributes<'a> {
     /// Version of the library.
     pub library_version: &'a str,
     /// Tracker.
@@ -63,7 +63,7 @@ pub struct Run<'a> {
 
 /// A group with the attributes of the run.
 #[must_use]
-pub fn group(name: &str, run: &Run<'_>) -> Group {
+pub fn group(name: &str, run: &RunAttributes<'_>) -> Group {
     let mut group = Group::new(name);
     let mut set = |key: &str, value: &str| group.attributes.insert(key.into(), value.into());
     set("inference_library", "sinew");
@@ -82,7 +82,7 @@ pub fn group(name: &str, run: &Run<'_>) -> Group {
 
 /// Attributes of the root, which has no variables of its own: what is in the groups, and how they are opened.
 #[must_use]
-pub fn root(run: &Run<'_>, groups: &[Group]) -> Map<String, Value> {
+pub fn root(run: &RunAttributes<'_>, groups: &[Group]) -> Map<String, Value> {
     let names: Vec<&str> = groups.iter().map(|group| group.name.as_str()).collect();
     let mut attributes = group("", run).attributes;
     attributes.insert("groups".into(), names.into());
@@ -100,7 +100,7 @@ pub fn root(run: &Run<'_>, groups: &[Group]) -> Map<String, Value> {
 /// The markers are not called `marker`, because that is the coordinate with their names, and a group holds one array of
 /// a name.
 #[must_use]
-pub fn posterior(run: &Run<'_>) -> Group {
+pub fn posterior(run: &RunAttributes<'_>) -> Group {
     let variable = |name: &str, last: &[&str], units: &str| {
         let dimensions = [&["chain", "draw", "frame"], last].concat();
         Variable::new(name, &dimensions, DataType::Float32).with_attribute("units", units)

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::chains::draw_trajectories;
 use crate::density::Density;
-use crate::nuts::MAX_DEPTH;
+use crate::nuts::transition::MAX_DEPTH;
 use crate::run::Run;
 use crate::sampling::{Plan, Starts, named};
 

@@ -1,14 +1,14 @@
 //! Draws of a density by trajectories with jumps, in one call: for densities of several modes.
 
-use super::{Jumps, draw_with_jumps};
+use super::kernel::{Jumps, draw_with_jumps};
 use crate::Error;
 use crate::chains::{ChainDraws, Schedule, draw_trajectories};
 use crate::density::Density;
-use crate::diagnostics::effective_sample_size;
 use crate::gaussian_mixture::GaussianMixture;
-use crate::nuts::MAX_DEPTH;
+use crate::nuts::transition::MAX_DEPTH;
 use crate::run::Run;
 use crate::sampling::{Plan, Starts, blocks, named};
+use sinew_core::diagnostics::effective_sample_size;
 use sinew_core::lanes::LANES;
 
 /// How [`sample`] runs.

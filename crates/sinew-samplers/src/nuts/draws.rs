@@ -6,7 +6,7 @@ use super::trees::Trees;
 use crate::Error;
 use crate::chains::{ChainDraws, Lockstep, Schedule, active, gather, run_blocks, width};
 use crate::dual_averaging::DualAveraging;
-use crate::hmc::Update;
+use crate::hmc::kernel::Update;
 use sinew_core::density::GradLogDensity;
 use sinew_core::lanes::{Block, LANES};
 use sinew_core::random::{BlockRng, Stage};

@@ -1,6 +1,7 @@
 //! Draws of a density by the no-U-turn sampler, in one call.
 
-use super::{MAX_DEPTH, Nuts, draw_trees};
+use super::draws::draw_trees;
+use super::transition::{MAX_DEPTH, Nuts};
 use crate::Error;
 use crate::density::Density;
 use crate::run::Run;

@@ -4,7 +4,7 @@
 
 use super::transition::{Nuts, TreeTransition};
 use crate::Error;
-use crate::hmc::DIVERGENCE;
+use crate::hmc::kernel::DIVERGENCE;
 use sinew_core::density::GradLogDensity;
 use sinew_core::lanes::{Block, LANES};
 use sinew_core::random::BlockRng;

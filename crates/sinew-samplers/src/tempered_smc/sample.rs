@@ -1,10 +1,10 @@
 //! Draws of a posterior and its evidence by tempered sequential Monte Carlo, in one call.
 
-use super::{Config, Sample, Temperature, through_temperatures};
+use super::algorithm::{Config, Sample, Temperature, through_temperatures};
 use crate::Error;
 use crate::chains::{ChainDraws, ChainStat};
 use crate::density::{Density, OneByOne};
-use crate::hmc::Hmc;
+use crate::hmc::kernel::Hmc;
 use crate::learned;
 use crate::population::Population;
 use crate::run::Run;
@@ -14,7 +14,7 @@ use sinew_core::lanes::{Block, Isa, LANES, set_lane};
 use sinew_core::random::{BlockRng, Stage};
 
 /// A density that can be drawn from.
-pub trait Prior: Density {
+pub trait PriorDensity: Density {
     /// Draws one state.
     fn draw(&self, x: &mut [f64], rng: &mut BlockRng);
 }
@@ -43,7 +43,7 @@ impl Density for NormalPrior {
     }
 }
 
-impl Prior for NormalPrior {
+impl PriorDensity for NormalPrior {
     fn draw(&self, x: &mut [f64], rng: &mut BlockRng) {
         let mut noise = vec![Block::ZERO; x.len().div_ceil(LANES)];
         rng.fill_normal(Isa::baseline(), &mut noise);
@@ -83,7 +83,7 @@ impl Default for Settings {
 ///
 /// # Errors
 /// [`Error::Empty`], [`Error::Length`] and [`Error::OutOfRange`] for settings; [`Error::AllWeightsZero`] where no particle explains the data, [`Error::Metric`], [`Error::TooManyTemperatures`].
-pub fn sample(likelihood: &dyn Density, prior: &dyn Prior, settings: Settings) -> Result<Run, Error> {
+pub fn sample(likelihood: &dyn Density, prior: &dyn PriorDensity, settings: Settings) -> Result<Run, Error> {
     let (d, names) = (prior.dim(), prior.names());
     for (what, found) in [("the likelihood's state", likelihood.dim()), ("the list of names", names.len())] {
         if found != d {
@@ -112,7 +112,7 @@ pub fn sample(likelihood: &dyn Density, prior: &dyn Prior, settings: Settings) -
 
 fn one_population(
     likelihood: &dyn Density,
-    prior: &dyn Prior,
+    prior: &dyn PriorDensity,
     settings: &Settings,
     stage: Stage,
 ) -> Result<Sample, Error> {
