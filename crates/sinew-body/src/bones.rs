@@ -71,6 +71,9 @@ mod tests {
             "link `knee`: no link before it is named `hip`; parents must come before their children"
         );
         assert_eq!(fault(&[]), Error::EmptyTree.to_string());
-        assert_eq!(fault(&[bone("hip", "", ""), bone("hip", "", "")]), Error::DuplicateName { name: "hip".into() }.to_string());
+        assert_eq!(
+            fault(&[bone("hip", "", ""), bone("hip", "", "")]),
+            Error::DuplicateName { name: "hip".into() }.to_string()
+        );
     }
 }

@@ -413,7 +413,8 @@ mod tests {
         let hinge = Link::new("hinge", None, [0.0; 3], vec![Joint::Rotate(Axis::along(axis).unwrap())]);
         let tree = KinematicTree::new(vec![hinge], vec![]).unwrap();
         let measured = [(0.3, 1.0), (1.1, 3.0)];
-        let orientations = measured.map(|(angle, weight)| Orientation { link: 0, rotation: about(axis, angle), weight });
+        let orientations =
+            measured.map(|(angle, weight)| Orientation { link: 0, rotation: about(axis, angle), weight });
         let config = Config { damping: 0.0, ..Config::default() };
         let found = fit_oriented(&tree, &[], &orientations, &[0.0], &config);
         let sum = |of: fn(f64) -> f64| measured.iter().map(|(angle, weight)| weight * of(*angle)).sum::<f64>();

@@ -122,7 +122,11 @@ pub fn read(name: &str, text: &str) -> Result<Urdf, Error> {
     Ok(Urdf { tree, ranges })
 }
 
-fn hinge<'a>(element: &'a Element<'a>, parent: String, at: &impl Fn(&Element<'_>) -> Place) -> Result<Hinge<'a>, Error> {
+fn hinge<'a>(
+    element: &'a Element<'a>,
+    parent: String,
+    at: &impl Fn(&Element<'_>) -> Place,
+) -> Result<Hinge<'a>, Error> {
     let vector = |tag: &str, key: &str, usual: [f64; 3]| {
         let child = element.named(tag).next();
         let Some((child, text)) = child.and_then(|child| Some((child, child.attribute(key)?))) else {
@@ -177,7 +181,9 @@ mod tests {
     /// A joint from link `a` to link `b`.
     fn joint(kind: &str, inside: &str) -> String {
         let ends = "<parent link='a'/><child link='b'/>";
-        format!("<robot name='r'><link name='b'/><link name='a'/><joint name='j' type='{kind}'>{ends}{inside}</joint></robot>")
+        format!(
+            "<robot name='r'><link name='b'/><link name='a'/><joint name='j' type='{kind}'>{ends}{inside}</joint></robot>"
+        )
     }
 
     /// Worked by hand: a quarter turn of the frame about z takes the axis x to y, which turns z to x.

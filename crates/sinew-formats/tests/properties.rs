@@ -8,8 +8,8 @@ use sinew_formats::calibration::CalibrationFormat;
 use sinew_formats::rotation::from_rodrigues;
 use sinew_formats::tidy_csv::Cell;
 use sinew_formats::*;
-use sinew_observe::silhouettes::bit_image::BitImage;
 use sinew_observe::cameras::lens::{Brown, Lens};
+use sinew_observe::silhouettes::bit_image::BitImage;
 use sinew_observe::{Camera, Intrinsics, RgbImage};
 
 /// Finite numbers of every kind: zeros of both signs, denormals, 1e±300, ordinary ones.

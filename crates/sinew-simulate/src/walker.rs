@@ -46,7 +46,14 @@ pub const ROOM_M: [f64; 2] = [6.0, 6.0];
 
 impl Default for Gait {
     fn default() -> Self {
-        Self { still_s: 1.0, stride_s: 1.1, start_s: 0.9, duration_s: 4.0, proportions: Proportions::default(), room_m: ROOM_M }
+        Self {
+            still_s: 1.0,
+            stride_s: 1.1,
+            start_s: 0.9,
+            duration_s: 4.0,
+            proportions: Proportions::default(),
+            room_m: ROOM_M,
+        }
     }
 }
 
@@ -445,7 +452,8 @@ mod tests {
         use sinew_core::random::Stage;
         for (seed, room_m) in [(1, ROOM_M), (2, ROOM_M), (3, ROOM_M), (4, [4.0, 5.0]), (5, [9.0, 6.0])] {
             let proportions = drawn(&Stage::new(seed, "room"));
-            let gait = Gait { duration_s: 60.0, stride_s: 1.0 + 0.04 * seed as f64, proportions, room_m, ..Gait::default() };
+            let gait =
+                Gait { duration_s: 60.0, stride_s: 1.0 + 0.04 * seed as f64, proportions, room_m, ..Gait::default() };
             let walker = Walker::new(gait);
             let middle = walker.middle().unwrap();
             let states = walker_states(&walker, 30.0);
@@ -476,9 +484,8 @@ mod tests {
         for (side, ahead) in [("R", 0.0), ("L", 0.5)] {
             for (name, from, to) in [("Heel", 0.08, 0.36), ("BigToe", 0.12, 0.56)] {
                 let track = column(&points, &format!("{side}{name}"));
-                let stance = |frame: usize| {
-                    (from..to).contains(&(phase(&gait, frame as f64 / RATE_HZ) + ahead).rem_euclid(1.0))
-                };
+                let stance =
+                    |frame: usize| (from..to).contains(&(phase(&gait, frame as f64 / RATE_HZ) + ahead).rem_euclid(1.0));
                 let (mut anchor, mut worst) = (None, 0.0_f64);
                 for frame in 120..states.len() {
                     anchor = if stance(frame) { anchor.or(Some(frame)) } else { None };

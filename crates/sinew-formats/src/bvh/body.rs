@@ -36,10 +36,14 @@ impl Bvh {
             });
             let is_root = joint.parent.is_none();
             let offset = metres(if is_root { world_from_bvh(joint.offset) } else { joint.offset });
-            Link { rest: is_root.then_some(WORLD_FROM_BVH), ..Link::new(&*joint.name, joint.parent, offset, joints.collect()) }
+            Link {
+                rest: is_root.then_some(WORLD_FROM_BVH),
+                ..Link::new(&*joint.name, joint.parent, offset, joints.collect())
+            }
         };
         let points = self.joints.iter().enumerate().flat_map(|(link, joint)| {
-            let end = joint.end_site.map(|end| Point { name: format!("{}_End", joint.name), link, offset: metres(end) });
+            let end =
+                joint.end_site.map(|end| Point { name: format!("{}_End", joint.name), link, offset: metres(end) });
             [Some(Point { name: joint.name.clone(), link, offset: [0.0; 3] }), end].into_iter().flatten()
         });
         KinematicTree::new(self.joints.iter().map(link).collect(), points.collect())
