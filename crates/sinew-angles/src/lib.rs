@@ -1,4 +1,6 @@
-//! Angles of joints, as clinicians and OpenSim read them, with their posteriors.
+#![doc = include_str!("../README.md")]
+//!
+//! ## Modules
 //!
 //! | module | what |
 //! |---|---|
@@ -12,23 +14,6 @@
 //! | [`angle_draws`] | draws of the rotations of a body over the frames of a run |
 //! | [`standing`] | the zero of angles in the draws of a standing trial, and what speaks against the trial |
 //! | [`zero`] | what a standing trial takes off angles |
-//!
-//! No file, no camera and no set-up is known here. docs/reference/angles.md has a drawing of each angle.
-//!
-//! ```
-//! use sinew_angles::{Convention, JointAngles};
-//! use sinew_body::{Proportions, standard};
-//!
-//! let body = standard::h32(&Proportions::default());
-//! let angles = JointAngles::new(&body, &[], false, Convention::OpenSim);
-//! let mut state = vec![0.0; body.dof()];
-//! state[body.first_dof(body.link_index("r_shin").ok_or("no shin")?)] = -0.5;
-//! let mut raw = vec![0.0; angles.raw_count()];
-//! angles.raw(&state, None, &mut raw);
-//! let knee = angles.names().iter().position(|name| name == "knee_angle_r").ok_or("no knee")?;
-//! assert_eq!(angles.signed(knee, &raw), 0.5);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 
 pub mod angle_draws;
 pub mod columns;

@@ -1,20 +1,5 @@
-//! Articulated bodies: kinematic trees, forward kinematics over lanes, gradients by a backward sweep, the bodies of the papers.
-//!
-//! Nothing here knows of probability, cameras or files.
-//!
-//! ```
-//! use sinew_body::{Plan, Proportions, point_positions, standard::h32};
-//! use sinew_core::lanes::Isa;
-//!
-//! let body = h32(&Proportions::default());
-//! let plan = Plan::with_all_points(&body);
-//! let mut q = vec![0.0; body.dof()];
-//! q[2] = 1.02; // the waist stands 1.02 m above the ground
-//! let mut points = vec![0.0; 3 * plan.points()];
-//! point_positions(&plan, Isa::best(), &q, &mut points);
-//! let head = body.point_index("Head").unwrap();
-//! assert!((points[3 * head + 2] - 1.75).abs() < 1e-12);
-//! ```
+#![doc = include_str!("../README.md")]
+
 pub mod bones;
 pub mod bundle;
 mod error;

@@ -1,9 +1,6 @@
-//! Readers and writers of motion-capture files, keypoints and calibrations: bytes in, bytes out.
+#![doc = include_str!("../README.md")]
 //!
-//! No module opens a file or prints. Readers take the text of a file and a name for messages, and return a value with its
-//! [`Warning`]s or an [`Error`] that says where, what was found, what was expected and, through [`Error::help`], what to
-//! do. Writers stream to any [`std::io::Write`]: their headers have a fixed length, so that the number of frames can be
-//! filled in at the end. No input makes a reader panic.
+//! ## Modules
 //!
 //! | module | format | reads | writes |
 //! |---|---|---|---|
@@ -25,21 +22,6 @@
 //! | [`asf`], [`amc`] | Acclaim skeleton and motion | yes | – |
 //! | [`mask`] | silhouettes (PNG) | yes | yes |
 //! | [`picture`] | colour images (PNG, JPEG) | yes | PNG |
-//!
-//! ```
-//! use sinew_formats::{calib_toml, camera_name, frame_number, layout, openpose};
-//!
-//! let keypoints = r#"{"people": [{"pose_keypoints_2d": [301.5, 420.0, 0.9]}]}"#;
-//! let frame = openpose::read("cam01.0034.json", keypoints, &openpose::OpenposeOptions::default())?;
-//! assert_eq!(frame_number::parse("cam01.0034.json"), Some(34));
-//! assert_eq!(frame.people[0].keypoints[0].unwrap().confidence, 0.9);
-//!
-//! let error = layout::find("halpe27").unwrap_err();
-//! assert!(error.to_string().starts_with("unknown layout `halpe27`; known: BODY_25B, "));
-//! assert_eq!(camera_name::fold("cam_01"), camera_name::fold("cam1_json"));
-//! assert!(calib_toml::read("Calib.toml", "[cam_01]").is_err());
-//! # Ok::<(), sinew_formats::Error>(())
-//! ```
 
 pub mod amc;
 pub mod anipose_cameras;

@@ -1,6 +1,6 @@
-//! Simulated people, cameras and detectors with known truth.
+#![doc = include_str!("../README.md")]
 //!
-//! A person who stands and walks, virtual cameras around them, and a detector that errs as real ones do.
+//! ## Modules
 //!
 //! | module | what |
 //! |---|---|
@@ -17,16 +17,6 @@
 //! | [`segmentation_noise`] | silhouettes as a segmentation gives them |
 //! | [`footage`] | cameras, person, masks and pictures of a motion |
 //! | [`recording`] | all of it together, and as the files that other programs read |
-//!
-//! Everything follows from a seed, and nothing depends on the processor or the number of threads: the same seed gives the same bytes.
-//!
-//! ```
-//! use sinew_simulate::recording::{SyntheticRecording, Script};
-//! let recording = SyntheticRecording::new(&Script { duration_s: 0.5, ..Script::default() }, 7)?;
-//! assert_eq!((recording.cameras.len(), recording.truth.frames.len()), (4, 15));
-//! assert_eq!(recording.keypoints[0][0].len(), recording.layout.points.len());
-//! # Ok::<(), sinew_observe::Error>(())
-//! ```
 
 pub mod adult;
 pub mod calibration_error;

@@ -116,7 +116,7 @@ mod tests {
     fn the_way_stays_in_its_room_and_turns_smoothly() {
         for room_m in [[6.0, 6.0], [4.0, 4.0], [5.0, 12.0], [12.0, 4.0], [1.0, f64::NAN]] {
             let way = Way::new(room_m, 80.0).unwrap();
-            let half = room_m.map(|side| 0.5 * side.max(4.0) - WALL_M + 1e-6);
+            let half = room_m.map(|side| 0.5 * side.max(4.0) - WALL_M + 1e-4);
             let (mut last, mut left, mut right) = (0.0, 0.0_f64, 0.0_f64);
             for step in 0..8000 {
                 let at = 0.01 * f64::from(step);
