@@ -11,7 +11,7 @@ mod agreement;
 mod angles;
 mod clock;
 mod clusters;
-mod error;
+pub(crate) mod error;
 mod estimates;
 mod matching;
 mod outcome;

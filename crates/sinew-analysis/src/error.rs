@@ -1,8 +1,8 @@
 //! What can go wrong where results are analysed, with the exit code and the advice that belong to it.
 
-use crate::compare::CompareError;
-use crate::gait::GaitError;
-use crate::opensim::OpensimError;
+use crate::compare::error::CompareError;
+use crate::gait::error::GaitError;
+use crate::opensim::error::OpensimError;
 use crate::segment::error::SegmentError;
 use crate::shape_fit::error::ShapeFitError;
 use crate::sync::error::SyncError;

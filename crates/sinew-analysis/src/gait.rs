@@ -9,7 +9,7 @@
 
 mod analysis;
 mod cycles;
-mod error;
+pub(crate) mod error;
 mod events;
 mod local_polynomial;
 mod pelvis;

@@ -12,7 +12,7 @@
 //!
 //! The model is the user's. Without one, `model.osim` stands for it and every body is taken to be there.
 
-mod error;
+pub(crate) mod error;
 mod ik_setup;
 mod marker_set;
 mod scale_setup;

@@ -31,7 +31,7 @@ fn check(name: &str, written: &[u8]) {
 }
 
 fn arm() -> KinematicTree {
-    let link = |name: &str, parent, offset, joints| Link { name: name.into(), parent, offset, joints };
+    let link = |name: &str, parent, offset, joints| Link::new(name, parent, offset, joints);
     let (tx, rx, ry) = (Joint::Translate(Axis::X), Joint::Rotate(Axis::X), Joint::Rotate(Axis::Y));
     let links = vec![
         link("trunk", None, [0.0; 3], vec![tx, ry]),

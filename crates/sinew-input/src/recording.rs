@@ -15,6 +15,7 @@ pub mod keypoint_sources;
 pub(super) mod known_layout;
 pub mod listing;
 mod options;
+pub mod read_frames;
 mod recent_frames;
 pub mod survey;
 
@@ -30,6 +31,7 @@ use given::GivenRecording;
 use keypoint_camera::KeypointCamera;
 use keypoint_sources::KeypointSource;
 use known_layout::named_layout;
+use read_frames::ReadFrames;
 use recent_frames::RecentFrames;
 use sinew_formats::openpose::{OpenposeOptions, OpenposePerson, Tally};
 use sinew_formats::{Layout, camera_name, frame_number};
@@ -38,6 +40,7 @@ use sinew_observe::association::Person;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// An opened recording.
 #[derive(Debug)]
@@ -47,6 +50,7 @@ pub struct Recording {
     keypoints: Vec<KeypointCamera>,
     layout: Layout,
     confidence_scale: f64,
+    read_before: Arc<ReadFrames>,
     image_scale: f64,
     lag: Vec<(String, ClockLag)>,
     recent: Vec<RecentFrames>,
@@ -119,6 +123,7 @@ impl Recording {
             calibrated,
             layout,
             confidence_scale: options.confidence_scale,
+            read_before: Arc::clone(&options.read_before),
             image_scale: options.image_scale,
             recent: listed.iter().map(|_| RecentFrames::default()).collect(),
             keypoints: listed,
@@ -180,7 +185,7 @@ impl Recording {
     /// As for [`Recording::frame`].
     pub fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
         let mut people = detections(&self.frame(number)?);
-        let Self { keypoints, cameras, layout, confidence_scale, recent, .. } = self;
+        let Self { keypoints, cameras, layout, confidence_scale, read_before, recent, .. } = self;
         for (index, (keypoints, recent)) in keypoints.iter().zip(recent).enumerate() {
             let lag = keypoints.files().lag;
             if lag.is_whole() {
@@ -188,7 +193,10 @@ impl Recording {
             }
             let read = |own| {
                 let options = options(own, layout, *confidence_scale);
-                let mut people = keypoints.read(own, &options, 0)?.map(|(frame, _)| frame.people).unwrap_or_default();
+                let mut people = keypoints
+                    .read_once(own, &options, 0, read_before)?
+                    .map(|(frame, _)| frame.people)
+                    .unwrap_or_default();
                 drop_beyond_lens(&cameras[index], &mut people);
                 Ok(people.iter().map(detected).collect())
             };
@@ -208,7 +216,10 @@ impl Recording {
         for (index, (keypoints, tally)) in self.keypoints.iter().zip(&mut self.tallies).enumerate() {
             let place = files::fnv(files::fnv(files::FNV_START, &number.to_le_bytes()), &index.to_le_bytes());
             let own = keypoints.files().lag.nearest(number);
-            let read = own.map(|own| keypoints.read(own, &options(own, &self.layout, self.confidence_scale), place));
+            let read = own.map(|own| {
+                let options = options(own, &self.layout, self.confidence_scale);
+                keypoints.read_once(own, &options, place, &self.read_before)
+            });
             let read = read.transpose()?.flatten();
             if let Some((_, hash)) = read.as_ref().filter(|_| count) {
                 // A sum does not depend on the order in which frames are read.

@@ -1,7 +1,7 @@
 //! What can be wrong with recorded motion, with the exit code and the advice that belong to it.
 
-use crate::convert::MotionError;
-use crate::learn::LearnError;
+use crate::convert::error::MotionError;
+use crate::learn::error::LearnError;
 use sinew_input::FileError;
 use sinew_results::ResultsError;
 

@@ -8,7 +8,7 @@
 //! | [`features`], [`limbs`] | which coordinates are learned together |
 //! | [`selection`], [`reconstruction`] | which rows a latent model is learned from; how well it keeps poses |
 
-mod error;
+pub(crate) mod error;
 pub mod features;
 pub mod latent;
 pub mod limbs;

@@ -127,7 +127,8 @@ impl DrawStore {
         let rotations: Vec<usize> = (0..joints.len()).filter(is_rotation).collect();
         let translation = |axis: usize| {
             joints.iter().position(|(link, joint)| {
-                info.body.links()[*link].parent.is_none() && matches!(joint, Joint::Translate(a) if a.index() == axis)
+                info.body.links()[*link].parent.is_none()
+                    && matches!(joint, Joint::Translate(a) if a.index() == Some(axis))
             })
         };
         let store = FolderStore {

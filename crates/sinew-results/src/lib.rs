@@ -35,6 +35,7 @@ mod summary;
 mod table;
 mod tables;
 mod texts;
+mod without_summary;
 
 pub use claim::{
     Claim, LOCK_NAME, OWN_NAMES, RESULT_NAMES, claim, claim_in, claim_to_resume, is_in_use, is_incomplete,
@@ -46,9 +47,10 @@ pub use folder::{ResultFolder, Written, write_whole};
 pub use markers::{REFERENCE_ORDER, order as marker_order};
 pub use partial::{PartialFile, Place, Position};
 
-pub use read_error::{ReadError, without_summary};
+pub use read_error::ReadError;
 pub use results_error::{Expected, Occupied, ResultsError};
 pub use storage::{Disk, Storage, StoredFile, UnsyncedDisk, sync_below};
 pub use stored_file::read_stored;
 pub use summary::{AnglesSummary, CameraSummary, Diagnostics, Ending, Limits, Summary};
 pub use texts::Texts;
+pub use without_summary::without_summary;

@@ -1,7 +1,6 @@
 //! Why a folder holds no whole results.
 
-use crate::{Error, RESULT_NAMES, is_in_use};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// A folder that does not hold whole results.
 #[derive(Debug, thiserror::Error)]
@@ -54,22 +53,5 @@ impl ReadError {
             Self::NoFile { .. } | Self::OtherRun(_) => "track again, or take the folder as the run left it",
             Self::NoFrames(_) => "track again, or continue with `--resume`",
         }
-    }
-}
-
-/// Why a folder has no summary.
-#[must_use]
-pub fn without_summary(folder: &Path) -> Error {
-    if let Err(error) = std::fs::read_dir(folder) {
-        return Error::io("read", folder)(error);
-    }
-    let is_partial = |name: &&str| folder.join(format!("{name}.partial")).exists();
-    let folder = folder.to_owned();
-    if is_in_use(&folder) {
-        ReadError::Running(folder).into()
-    } else if RESULT_NAMES.iter().any(is_partial) {
-        ReadError::Stopped(folder).into()
-    } else {
-        ReadError::NoSummary(folder).into()
     }
 }

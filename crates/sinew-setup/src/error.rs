@@ -1,6 +1,6 @@
 //! What can be wrong with a body or a set-up, with the exit code and the advice that belong to it.
 
-use crate::bodies::UnknownBody;
+use crate::bodies::error::UnknownBody;
 use crate::setup_error::SetupError;
 use sinew_input::{FileError, InputError, Problems};
 

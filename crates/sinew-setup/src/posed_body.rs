@@ -2,7 +2,7 @@
 //!
 //! Once per written frame; whatever runs per particle uses [`sinew_body::Plan`].
 
-use sinew_body::{Joint, KinematicTree};
+use sinew_body::{KinematicTree, Point};
 use sinew_formats::rotation::{IDENTITY, Matrix, about_axis, apply, product};
 use std::f64::consts::FRAC_PI_2;
 
@@ -23,33 +23,13 @@ pub struct Pose {
 /// If the state is shorter than the body's number of degrees of freedom.
 #[must_use]
 pub fn pose(body: &KinematicTree, state: &[f64]) -> Pose {
-    let mut pose = Pose::default();
-    for (index, link) in body.links().iter().enumerate() {
-        let (mut rotation, mut origin) = match link.parent {
-            Some(parent) => (pose.rotations[parent], moved(pose.origins[parent], &pose.rotations[parent], link.offset)),
-            None => (IDENTITY, link.offset),
-        };
-        for (joint, value) in link.joints.iter().zip(&state[body.first_dof(index)..]) {
-            match joint {
-                Joint::Translate(axis) => {
-                    let mut step = [0.0; 3];
-                    step[axis.index()] = *value;
-                    origin = moved(origin, &rotation, step);
-                }
-                Joint::Rotate(axis) => rotation = product(&rotation, &about_axis(axis.index(), *value)),
-            }
-        }
-        pose.rotations.push(rotation);
-        pose.origins.push(origin);
-    }
-    pose.points =
-        body.points().iter().map(|p| moved(pose.origins[p.link], &pose.rotations[p.link], p.offset)).collect();
-    pose
-}
-
-fn moved(origin: [f64; 3], rotation: &Matrix, step: [f64; 3]) -> [f64; 3] {
-    let step = apply(rotation, step);
-    [0, 1, 2].map(|k| origin[k] + step[k])
+    let (rotations, origins): (Vec<Matrix>, Vec<[f64; 3]>) = body.link_frames(state).into_iter().unzip();
+    let moved = |p: &Point| {
+        let step = apply(&rotations[p.link], p.offset);
+        [0, 1, 2].map(|k| origins[p.link][k] + step[k])
+    };
+    let points = body.points().iter().map(moved).collect();
+    Pose { rotations, origins, points }
 }
 
 /// World rotation of every link in the T-pose.
@@ -60,7 +40,7 @@ pub fn t_pose(body: &KinematicTree) -> Vec<Matrix> {
         let own = if link.name.ends_with("upper_arm") {
             about_axis(1, FRAC_PI_2.copysign(-link.offset[0]))
         } else {
-            IDENTITY
+            link.rest.unwrap_or(IDENTITY)
         };
         let parent = link.parent.map_or(IDENTITY, |parent| rest[parent]);
         rest.push(product(&parent, &own));

@@ -13,7 +13,7 @@ use sinew_body::flesh::Flesh;
 use sinew_body::standard::{cf28, h32};
 use sinew_body::standard_flesh::standard_flesh;
 use sinew_body::{KinematicTree, Point, Proportions, hapf31, hppf24};
-use sinew_formats::body_toml;
+use sinew_formats::{body_file, body_toml};
 use sinew_input::Problems;
 use sinew_observe::cameras::camera_error::with_error;
 use sinew_observe::{Camera, View};
@@ -52,7 +52,7 @@ impl FileBody {
     /// # Errors
     /// A text that is no body.
     pub fn read(name: &str, text: &str) -> Result<Self, Error> {
-        let body_toml::BodyDefinition { tree, flesh } = body_toml::read(name, text)?;
+        let body_toml::BodyDefinition { tree, flesh } = body_file::read(name, text)?;
         Ok(Self { tree, flesh, text: text.into() })
     }
 

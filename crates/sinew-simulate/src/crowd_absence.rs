@@ -35,7 +35,14 @@ impl Absences {
 }
 
 /// Frames without somebody; where they come back, `motion` is changed from there on.
-pub(crate) fn away(absences: &Absences, rate_hz: f64, motion: &mut Trajectories, stage: &Stage) -> Range<usize> {
+/// Whoever `turns` within a room is back where their way has led meanwhile.
+pub(crate) fn away(
+    absences: &Absences,
+    rate_hz: f64,
+    motion: &mut Trajectories,
+    turns: bool,
+    stage: &Stage,
+) -> Range<usize> {
     let luck = uniforms(stage, 0, 8);
     let between = |[low, high]: [f64; 2], part: f64| low + part * (high - low);
     let frame = |seconds: f64| ((seconds * rate_hz).round() as usize).min(motion.frames.len());
@@ -44,7 +51,7 @@ pub(crate) fn away(absences: &Absences, rate_hz: f64, motion: &mut Trajectories,
     }
     let (left_s, gap_s) = (between(absences.leaves_s, luck[1]), between(absences.gap_s, luck[2]));
     let (left, back) = (frame(left_s), frame(if luck[7] < absences.for_good { f64::INFINITY } else { left_s + gap_s }));
-    if back < motion.frames.len() {
+    if back < motion.frames.len() && !turns {
         let (sin, cos) = (TAU * luck[3]).sin_cos();
         let far = STROLL_M_S * gap_s * luck[4].sqrt();
         let [x, y] = place(&motion.frames[left]);
@@ -87,7 +94,7 @@ mod tests {
         let (mut late, mut gone, mut gaps) = (0, 0, vec![]);
         for seed in 0..400 {
             let mut changed = motion();
-            let away = away(&Absences::USUAL, 10.0, &mut changed, &Stage::new(seed, "test"));
+            let away = away(&Absences::USUAL, 10.0, &mut changed, false, &Stage::new(seed, "test"));
             if away.start == 0 {
                 late += 1;
                 assert!((10..=50).contains(&away.end), "{away:?}");

@@ -6,6 +6,7 @@ mod effort;
 mod virtual_cameras;
 
 use crate::support::outcome::{Outcome, exit_code};
+use crate::support::statistics::{median, quantile};
 use sinew::config::settings::Settings;
 use sinew::formats::trc;
 use sinew::input::recording::{Recording, RecordingOptions};
@@ -126,12 +127,8 @@ fn reference(data: &Path) -> Outcome<()> {
 }
 
 fn mixing(run: &Run) -> String {
-    let mut all: Vec<f64> = run.filtered.iter().filter_map(|e| e.r_hat).collect();
-    all.sort_by(f64::total_cmp);
-    match all.len() {
-        0 => "–".into(),
-        n => format!("{:.3} / {:.3}", all[n / 2], all[n * 19 / 20]),
-    }
+    let all: Vec<f64> = run.filtered.iter().filter_map(|e| e.r_hat).collect();
+    quantile(&all, 0.95).map_or("–".into(), |high| format!("{:.3} / {high:.3}", median(&all)))
 }
 
 /// What the person shows in each frame and camera.

@@ -8,7 +8,9 @@ mod keypoint_tables;
 mod queue;
 
 use crate::support::outcome::{Outcome, exit_code};
-use crate::support::program::{Program, built, shown};
+use crate::support::program::{Program, shown};
+use crate::support::statistics::verdict;
+use crate::support::study_options::ProgramOptions;
 use keypoint_tables::write_keypoints;
 use serde_json::Value;
 use sinew::core::random::Stage;
@@ -38,18 +40,14 @@ pub struct Args {
     /// Trials, a tenth of them of each of ten subjects
     #[arg(long, default_value_t = 10_000)]
     trials: usize,
-    /// Folder for trials and studies [default: target/batch]
-    #[arg(long)]
-    out: Option<PathBuf>,
     /// Only means of angles, of this number of subjects, against the truth
     #[arg(long)]
     groups: Option<usize>,
     /// Only the same of this number of sessions with several subjects
     #[arg(long)]
     sessions: Option<usize>,
-    /// Program to run [default: built for release]
-    #[arg(long)]
-    program: Option<PathBuf>,
+    #[command(flatten)]
+    options: ProgramOptions,
     /// Only the simulated cluster, with these seconds of computing and of overhead a trial
     #[arg(long, num_args = 2, value_names = ["COMPUTING", "OVERHEAD"])]
     queue: Option<Vec<f64>>,
@@ -65,10 +63,8 @@ fn measured(root: &Path, args: &Args) -> Outcome<()> {
         print!("{}", queue::table(*computing_s, *overhead_s));
         return Ok(());
     }
-    let folder = args.out.clone().unwrap_or_else(|| root.join("target/batch"));
-    fs::create_dir_all(&folder)?;
-    let path = args.program.clone().map_or_else(|| built(root), Ok)?;
-    let program = Program { path, folder: folder.clone() };
+    let program = args.options.program(root, "batch")?;
+    let folder = program.folder.clone();
     if let Some(subjects) = args.groups {
         print!("{}", groups::table(&program, &folder, subjects)?);
         return Ok(());
@@ -151,7 +147,7 @@ fn study(program: &Program, trials: &Path, study: &Path, name: &str, flags: &[&s
         "| {name} | {} | {:.1} | {overhead:.1} | {tenth:.0} | {last:.0} | {plan_s:.1} | {gather_s:.1} | {run_s:.0} | {} |",
         lines.len(),
         a_trial(computing_s),
-        if holds { "held" } else { "**missed**" }
+        verdict(holds)
     ))
 }
 

@@ -4,7 +4,8 @@
 //! Sums are of one instruction set (AVX2) and of one operating system: libraries of C differ in last digits.
 
 use crate::support::outcome::{Outcome, exit_code};
-use crate::support::program::{Program, built, shown};
+use crate::support::program::{Program, shown};
+use crate::support::study_options::ProgramOptions;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,15 +20,8 @@ pub(crate) struct Args {
     /// Only steps whose names begin so, and those named `model` and `people`, which others need
     #[arg(long)]
     only: Option<String>,
-    /// The program `sinew` [default: it is built]
-    #[arg(long)]
-    program: Option<PathBuf>,
-    /// Folder that the steps write into [default: target/checksums]
-    #[arg(long)]
-    out: Option<PathBuf>,
-    /// Folder of the shared recordings [default: $SINEW_DATA, else shared/data beside the workspace]
-    #[arg(long, env = "SINEW_DATA")]
-    data: Option<PathBuf>,
+    #[command(flatten)]
+    options: ProgramOptions,
 }
 
 /// `name codes: arguments`, one step a line.
@@ -117,11 +111,9 @@ fn found(program: &Program, data: &Path, only: Option<&str>) -> Outcome<BTreeMap
 }
 
 fn compare(root: &Path, args: &Args) -> Outcome<()> {
-    let folder = args.out.clone().unwrap_or_else(|| root.join("target/checksums"));
-    let _ = fs::remove_dir_all(&folder);
-    fs::create_dir_all(&folder)?;
-    let data = fs::canonicalize(args.data.clone().unwrap_or_else(|| root.join("../shared/data")))?;
-    let path = args.program.clone().map_or_else(|| built(root), Ok)?;
+    fs::remove_dir_all(args.options.folder(root, "checksums")?)?;
+    let data = fs::canonicalize(args.options.data(root))?;
+    let Program { path, folder } = args.options.program(root, "checksums")?;
     let program = Program { path: fs::canonicalize(path)?, folder: fs::canonicalize(folder)? };
     let sums = found(&program, &data, args.only.as_deref())?;
     if args.write {

@@ -9,11 +9,13 @@ mod recorded;
 mod shifted;
 
 use crate::support::outcome::{Outcome, exit_code};
-use crate::support::program::{self, Program};
-use measures::{inside, rms};
+use crate::support::program::Program;
+use crate::support::statistics::rms;
+use crate::support::study_options::ProgramOptions;
+use measures::inside;
 use recorded::{Clocks, Walk};
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// What to run.
@@ -28,12 +30,8 @@ pub struct Args {
     /// Only these parts: lags, drifts, shifted, cost
     #[arg(long, value_delimiter = ',')]
     only: Vec<String>,
-    /// The program `sinew` [default: it is built]
-    #[arg(long)]
-    program: Option<PathBuf>,
-    /// Folder of the tables [default: target/sync]
-    #[arg(long)]
-    out: Option<PathBuf>,
+    #[command(flatten)]
+    options: ProgramOptions,
 }
 
 /// Frame rates.
@@ -109,13 +107,8 @@ fn drifts(program: &Program, args: &Args) -> Outcome<String> {
 }
 
 fn all(root: &Path, args: &Args) -> Outcome<()> {
-    let folder = args.out.clone().unwrap_or_else(|| root.join("target/sync"));
-    std::fs::create_dir_all(&folder)?;
-    let path = match &args.program {
-        Some(path) => path.clone(),
-        None => program::built(root)?,
-    };
-    let program = Program { path, folder: folder.clone() };
+    let program = args.options.program(root, "sync")?;
+    let folder = program.folder.clone();
     type Part = fn(&Program, &Args) -> Outcome<String>;
     let parts: [(&str, Part); 4] = [
         ("lags", lags),

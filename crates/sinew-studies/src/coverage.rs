@@ -98,7 +98,7 @@ const MAIN: Scene = Scene::Person { cameras: 4, tracker: Tracker::Hmc, sizes: Si
 /// # Errors
 /// Errors of the files and the tracker.
 pub fn check(root: &Path, seed: u64, size: Size) -> Outcome<Checked> {
-    let people = people::all(&StudyOptions::usual().data(root))?;
+    let people = people::all(&StudyOptions::default().data(root))?;
     let all = series(&MAIN, &people, SHORT, 0..size.ranked, seed)?;
     let found = Found::of(&all);
     Ok(Checked {

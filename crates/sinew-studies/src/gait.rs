@@ -7,13 +7,13 @@ mod truth;
 mod walkers;
 
 use crate::support::outcome::{Outcome, exit_code};
-use crate::support::program::{self, Program};
+use crate::support::statistics::{mean, rms, with_error};
 use crate::support::store::{Store, Task, numbers, rows, run_all};
-use crate::support::study_options::StudyOptions;
+use crate::support::study_options::{ProgramOptions, threads};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Measures gait on simulated walkers.
@@ -25,11 +25,11 @@ pub(crate) struct Args {
     /// Seed of the first; windows and thresholds were chosen on seeds 1 to 10
     #[arg(long, default_value_t = 101)]
     first: u64,
-    /// The program `sinew` [default: it is built]
+    /// Cells that run at a time, one thread each [default: one a processor]
     #[arg(long)]
-    program: Option<PathBuf>,
+    threads: Option<usize>,
     #[command(flatten)]
-    options: StudyOptions,
+    options: ProgramOptions,
 }
 
 /// Raised with every change of what a cell computes.
@@ -75,22 +75,6 @@ const SHOWN: [(&str, &str, f64); 8] = [
     ("double_support_share", "double support, % of the cycle", 1e2),
 ];
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-fn rms(values: &[f64]) -> f64 {
-    mean(&values.iter().map(|x| x * x).collect::<Vec<_>>()).sqrt()
-}
-
-/// Mean over seeds with its standard error.
-pub(crate) fn with_error(values: &[f64]) -> String {
-    let centre = mean(values);
-    let square = values.iter().map(|x| (x - centre).powi(2)).sum::<f64>();
-    let count = values.len() as f64;
-    format!("{centre:.1} ± {:.1}", (square / (count - 1.0).max(1.0) / count).sqrt())
-}
-
 /// Shares inside the intervals of errors with ends, in each seed, per cent.
 fn inside(seeds: &[Vec<Vec<f64>>]) -> Vec<f64> {
     let share = |all: &Vec<Vec<f64>>| {
@@ -133,10 +117,10 @@ fn event_table(names: &str, groups: &[(String, Vec<&Value>)]) -> String {
                 errors.len(),
                 count("missed"),
                 count("extra"),
-                with_error(&bias),
+                with_error(&bias, 1),
                 rms(&errors),
                 mean(&column(&seeds, |x| 500.0 * (x[2] - x[1]))),
-                with_error(&inside(&seeds)),
+                with_error(&inside(&seeds), 1),
                 mean(&column(&seeds, |x| 1e3 * x[3])),
             );
         }
@@ -162,12 +146,12 @@ fn parameter_table(cells: &[&(&Way, Vec<&Value>)]) -> String {
                 "| {} | {} | {words} | {} | {:.1} | {:.1} | {} | {:.1} | {} |",
                 way.rate_hz,
                 way.persistence,
-                with_error(&bias),
+                with_error(&bias, 1),
                 rms(&column(&seeds, |x| factor * x[0])),
                 mean(&column(&seeds, |x| 0.5 * factor * (x[2] - x[1]))),
-                with_error(&inside(&seeds)),
+                with_error(&inside(&seeds), 1),
                 rms(&column(&means, |x| factor * x[0])),
-                with_error(&inside(&means)),
+                with_error(&inside(&means), 1),
             );
         }
     }
@@ -193,12 +177,8 @@ fn tables(store: &Store, seeds: Range<u64>) -> String {
 }
 
 fn measure(root: &Path, args: &Args) -> Outcome<()> {
-    let folder = args.options.folder(root, "gait")?;
-    let path = match &args.program {
-        Some(path) => path.clone(),
-        None => program::built(root)?,
-    };
-    let program = Program { path, folder: folder.clone() };
+    let program = args.options.program(root, "gait")?;
+    let folder = program.folder.clone();
     let data = args.options.data(root);
     let mut store = Store::open(&folder, &format!("version {VERSION}"))?;
     let seeds = args.first..args.first + args.seeds;
@@ -217,7 +197,7 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
             tasks.push((recorded_key(rate_hz, walk), rate_hz, Box::new(task)));
         }
     }
-    run_all(&mut store, "gait", tasks, args.options.threads())?;
+    run_all(&mut store, "gait", tasks, threads(args.threads))?;
     let text = tables(&store, seeds);
     println!("{text}");
     Ok(std::fs::write(folder.join("tables.md"), text)?)

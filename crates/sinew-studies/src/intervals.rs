@@ -42,9 +42,9 @@ mod triangulation;
 pub(crate) use angles::true_angles;
 
 use crate::support::outcome::{Outcome, exit_code};
-use crate::support::program::{self, Program};
+use crate::support::program::Program;
 use crate::support::store::{Store, Task, run_all};
-use crate::support::study_options::StudyOptions;
+use crate::support::study_options::{ProgramOptions, threads};
 use clap::ValueEnum;
 use protocol::{FIRST_ANGLES, FIRST_DERIVED, FIRST_RIG, FIRST_RUN, FIRST_SEED, Recording, tuned_on};
 use std::ops::Range;
@@ -106,11 +106,11 @@ pub(crate) struct Args {
     /// Folder of the figure [default: that of the tables]
     #[arg(long)]
     images: Option<PathBuf>,
-    /// The program `sinew` [default: it is built]
+    /// Cells that run at a time, one thread each [default: one a processor]
     #[arg(long)]
-    program: Option<PathBuf>,
+    threads: Option<usize>,
     #[command(flatten)]
-    options: StudyOptions,
+    options: ProgramOptions,
 }
 
 impl Args {
@@ -253,12 +253,8 @@ fn tables_of_angles(args: &Args, store: &Store) -> String {
 }
 
 fn measure(root: &Path, args: &Args) -> Outcome<()> {
-    let (data, folder) = (args.options.data(root), args.options.folder(root, "intervals")?);
-    let path = match &args.program {
-        Some(path) => path.clone(),
-        None => program::built(root)?,
-    };
-    let program = Program { path, folder: folder.clone() };
+    let (data, program) = (args.options.data(root), args.options.program(root, "intervals")?);
+    let folder = program.folder.clone();
     let recording = tuned_on(&data.join("pose2sim_single"));
     let (source, untouched) = (data.join("caliscope_gesture"), caliscope::recording(&folder.join("caliscope")));
     let images = args.images.as_ref().unwrap_or(&folder);
@@ -274,7 +270,7 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
         args.runs().for_each(|seed| tasks.extend(left_out(&program, &untouched, seed)));
     }
     tasks.extend(simulated(args, &program));
-    run_all(&mut store, "intervals", tasks, args.options.threads())?;
+    run_all(&mut store, "intervals", tasks, threads(args.threads))?;
     let text = tables(args, &store, [&recording, &untouched])?;
     if args.only.is_empty() && is_there && source.is_dir() {
         std::fs::write(folder.join("tables.md"), &text)?;

@@ -1,4 +1,18 @@
-//! Studies: what measures the product and reproduces papers. `cargo xtask study <name>` runs them; this file is the whole command line.
+//! Studies: what measures the product and reproduces papers. `cargo xtask study <name>` runs them.
+//!
+//! | room | what |
+//! |---|---|
+//! | [`papers`] | `reproduce`: a module for each paper, and what they share: scenes, claims, results by seed |
+//! | [`accuracy`], [`trackers`] | distance to references, by cameras, cost and method; real masks |
+//! | [`coverage`], [`intervals`] | do intervals hold what they promise: on simulated people; on cameras that are left out |
+//! | [`identifiability`], [`filter_priors`], [`motion_prior`] | what data say of constants; priors between frames |
+//! | [`people`], [`clocks`], [`gait`], [`opensim`] | several people, lags of cameras, events of gait, joint angles beside OpenSim |
+//! | [`latent`] | latent models on published data |
+//! | [`batch`], [`soak`], [`checksums`], [`report_check`] | many trials, long runs, results at fixed seeds, the page in a browser |
+//! | [`verify`], [`tables`], [`picture`] | statistical checks; tables and pictures of the pages |
+//! | [`support`] | kept cells, the program, options, charts, means and verdicts |
+//!
+//! `peers` beside this folder holds other people's programs on the same data. What is measured here is computed by the product or by the tests' library; a study runs, judges and prints.
 
 mod accuracy;
 mod batch;

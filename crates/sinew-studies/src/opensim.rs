@@ -1,11 +1,12 @@
 //! `cargo xtask study opensim`: our joint angles beside OpenSim's inverse kinematics on the same markers. The tables of docs/evidence/opensim.md.
 //!
-//! The program tracks a recording; `xtask/peers/opensim_ik.py` scales Pose2Sim's OpenSim model by the run's `markers.trc` and fits it to them. Python packages are installed, pinned, into an environment of the study's folder.
+//! The program tracks a recording; `crates/sinew-studies/peers/opensim_ik.py` scales Pose2Sim's OpenSim model by the run's `markers.trc` and fits it to them. Python packages are installed, pinned, into an environment of the study's folder.
 
 mod compared;
 
 use crate::support::outcome::{Outcome, exit_code};
-use crate::support::program::{self, Program, shown};
+use crate::support::program::{Program, shown};
+use crate::support::study_options::ProgramOptions;
 use compared::{Angles, Compared};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -17,18 +18,11 @@ pub struct Args {
     /// Seeds of each recording, from 1 on
     #[arg(long, default_value_t = 5)]
     seeds: u64,
-    /// The program `sinew` [default: it is built]
-    #[arg(long)]
-    program: Option<PathBuf>,
+    #[command(flatten)]
+    options: ProgramOptions,
     /// The Python that makes the environment; `opensim` has wheels for 3.10 to 3.13
     #[arg(long, default_value = "python3")]
     python: PathBuf,
-    /// Folder of the shared recordings
-    #[arg(long, env = "SINEW_DATA")]
-    data: Option<PathBuf>,
-    /// Folder of the environment, runs and tables [default: target/opensim]
-    #[arg(long)]
-    out: Option<PathBuf>,
 }
 
 /// A recording: its name here, its folder, flags of `track` with paths in the folder, and the people with their names.
@@ -93,7 +87,7 @@ fn succeeded(command: &mut Command) -> Outcome<()> {
 impl Python {
     /// Makes the environment, unless one with the same requirements is there.
     fn installed(root: &Path, folder: &Path, python: &Path) -> Outcome<Self> {
-        let peers = root.join("xtask/peers");
+        let peers = root.join("crates/sinew-studies/peers");
         let requirements = peers.join("opensim_requirements.txt");
         let (place, wanted) = (folder.join("environment"), fs::read_to_string(&requirements)?);
         let (program, stamp) = (place.join("bin/python"), place.join("requirements.txt"));
@@ -153,15 +147,10 @@ fn variation(study: &Study<'_>) -> Outcome<String> {
 }
 
 fn all(root: &Path, args: &Args) -> Outcome<()> {
-    let folder = args.out.clone().unwrap_or_else(|| root.join("target/opensim"));
-    fs::create_dir_all(&folder)?;
-    let path = match &args.program {
-        Some(path) => path.clone(),
-        None => program::built(root)?,
-    };
-    let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data"));
+    let (data, program) = (args.options.data(root), args.options.program(root, "opensim")?);
+    let folder = program.folder.clone();
     let python = Python::installed(root, &folder, &args.python)?;
-    let study = Study { program: Program { path, folder: folder.clone() }, python, data: &data, folder: &folder };
+    let study = Study { program, python, data: &data, folder: &folder };
     let mut text = String::new();
     for recording in &RECORDINGS {
         let mut people: Vec<Vec<Compared>> = recording.people.iter().map(|_| vec![]).collect();

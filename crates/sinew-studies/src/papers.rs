@@ -18,6 +18,26 @@ use clap::{Args as ClapArgs, Subcommand};
 use std::path::Path;
 use std::process::ExitCode;
 
+#[cfg(test)]
+mod reduced_size {
+    //! What the tests of the papers share.
+
+    use crate::support::outcome::Outcome;
+    use crate::support::study_options::StudyOptions;
+    use std::process::ExitCode;
+
+    /// Runs a whole command in its reduced size: what it asserts holds, and its files are there.
+    pub(super) fn holds(name: &str, files: &[&str], run: impl FnOnce(StudyOptions) -> Outcome<ExitCode>) {
+        let out = std::env::temp_dir().join(format!("sinew-{name}-{}", std::process::id()));
+        let code = run(StudyOptions::writing_to(&out)).unwrap();
+        assert_eq!(code, ExitCode::SUCCESS, "what does not hold is printed above");
+        for file in files {
+            assert!(out.join(file).is_file(), "{file}");
+        }
+        std::fs::remove_dir_all(&out).unwrap();
+    }
+}
+
 /// Which paper.
 #[derive(ClapArgs)]
 pub(crate) struct Args {

@@ -5,7 +5,9 @@
 mod recorded;
 
 use crate::support::outcome::{Outcome, exit_code};
-use crate::support::program::{self, Program, shown};
+use crate::support::program::{Program, shown};
+use crate::support::statistics::with_error;
+use crate::support::study_options::ProgramOptions;
 use sinew::formats::calib_toml;
 use sinew::formats::openpose::Keypoint;
 use sinew::input::limbs::{limbs, paired_limbs};
@@ -22,7 +24,7 @@ use sinew_tests::evaluation::returns::{Returns, returns};
 use sinew_tests::evaluation::several_people::{self, Counts, Track};
 use std::fmt::Write as _;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
 
@@ -35,21 +37,14 @@ pub struct Args {
     /// Seed of the first; crowds 1 to 60 were looked at before
     #[arg(long, default_value_t = 101)]
     first: u64,
-    /// The program `sinew`, whose speed is measured [default: it is built]
-    #[arg(long)]
-    program: Option<PathBuf>,
+    #[command(flatten)]
+    options: ProgramOptions,
     /// Tables to make
     #[arg(long, value_enum, value_delimiter = ',', default_values_t = [Part::Crowds, Part::Real, Part::Speed])]
     only: Vec<Part>,
     /// Runs of the real recording, seeds from 1 on
     #[arg(long, default_value_t = 5)]
     real: u64,
-    /// Folder of the data
-    #[arg(long)]
-    data: Option<PathBuf>,
-    /// Folder of the tables [default: target/people]
-    #[arg(long)]
-    out: Option<PathBuf>,
 }
 
 /// A part of the study.
@@ -161,9 +156,7 @@ const NAMES: [&str; 2] = ["ours", "usual recipe"];
 /// Mean over crowds with its standard error.
 fn mean(all: &[[Counted; 2]], method: usize, value: &dyn Fn(&Counts) -> f64) -> String {
     let values: Vec<f64> = all.iter().map(|found| value(&found[method].counts)).collect();
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
-    let square = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>();
-    format!("{mean:.1} ± {:.1}", (square / (values.len() as f64 - 1.0).max(1.0) / values.len() as f64).sqrt())
+    with_error(&values, 1)
 }
 
 fn share(part: usize, counts: &Counts) -> f64 {
@@ -258,20 +251,15 @@ fn speed(program: &Program) -> Outcome<String> {
 }
 
 fn all(root: &Path, args: &Args) -> Outcome<()> {
-    let folder = args.out.clone().unwrap_or_else(|| root.join("target/people"));
-    std::fs::create_dir_all(&folder)?;
+    let folder = args.options.folder(root, "people")?;
     let mut texts = vec![];
     if args.only.contains(&Part::Crowds) {
         let seeds = args.first..args.first + args.seeds;
         texts.extend([quality(seeds.clone())?, returning(seeds)?]);
     }
     if args.only != [Part::Crowds] {
-        let path = match &args.program {
-            Some(path) => path.clone(),
-            None => program::built(root)?,
-        };
-        let program = Program { path, folder: folder.clone() };
-        let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data")).join("pose2sim_two_people");
+        let program = args.options.program(root, "people")?;
+        let data = args.options.data(root).join("pose2sim_two_people");
         if args.only.contains(&Part::Real) {
             texts.push(recorded::table(&program, &data, args.real)?);
         }

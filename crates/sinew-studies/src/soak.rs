@@ -7,6 +7,7 @@
 //! - open files: as many at the end as after frame 1000;
 //! - root mean square error over root mean square standard deviation of the points of `joints.csv`, last 1000 frames against the first: at most 1.2 times.
 
+use crate::support::statistics::{median, verdict};
 use sinew::Error;
 use sinew::config::{Sources, resolve};
 use sinew::formats::Layout;
@@ -21,7 +22,6 @@ use sinew_input::Error as InputError;
 use sinew_results::claim;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::simulated_source::source;
-use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufRead as _, BufReader};
 use std::ops::Range;
@@ -154,8 +154,7 @@ impl Seen {
         self.window.push(ms);
         if done.is_multiple_of(WINDOW) || done == frames {
             if self.window.len() as u64 == WINDOW {
-                self.window.sort_by(f64::total_cmp);
-                self.medians.push(self.window[self.window.len() / 2]);
+                self.medians.push(median(&self.window));
                 let ticks = processor_ticks();
                 self.processor.push((ticks - self.ticks) as f64 * TICK_MS / WINDOW as f64);
                 self.ticks = ticks;
@@ -178,8 +177,10 @@ impl Seen {
             let ratio = to / from;
             let passed = ratio <= most;
             all &= passed;
-            let verdict = if passed { "pass" } else { "FAIL" };
-            println!("  {what:<34} {from:>9.3} -> {to:>9.3} {unit:<6} ratio {ratio:.3}, at most {most}: {verdict}");
+            println!(
+                "  {what:<34} {from:>9.3} -> {to:>9.3} {unit:<6} ratio {ratio:.3}, at most {most}: {}",
+                verdict(passed)
+            );
         };
         let warm = (WARM_UP / WINDOW).min(self.own_kb.len() as u64 / 2) as usize;
         let [from, to] = [self.own_kb.get(warm.saturating_sub(1)), self.own_kb.last()]

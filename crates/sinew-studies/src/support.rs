@@ -4,6 +4,7 @@ pub(crate) mod chart;
 pub(crate) mod outcome;
 pub(crate) mod processor_time;
 pub(crate) mod program;
+pub(crate) mod statistics;
 pub(crate) mod store;
 pub(crate) mod study_options;
 

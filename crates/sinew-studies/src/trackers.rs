@@ -16,11 +16,12 @@ mod tables;
 pub(crate) mod worth;
 
 use crate::support::outcome::{Outcome, exit_code};
-use crate::support::program::{self, Program};
+use crate::support::program::Program;
 use crate::support::store::{Store, Task, run_all};
+use crate::support::study_options::ProgramOptions;
 use entries::{ENTRIES, Entry};
 use films::{Film, key};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Tracks the same recordings by all trackers.
@@ -32,15 +33,8 @@ pub(crate) struct Args {
     /// Runs at a time, one thread each; more than one makes frames a second less
     #[arg(long, default_value_t = 1)]
     threads: usize,
-    /// The program `sinew` [default: it is built]
-    #[arg(long)]
-    program: Option<PathBuf>,
-    /// Folder for recordings, models, cells and tables [default: target/trackers]
-    #[arg(long)]
-    out: Option<PathBuf>,
-    /// Folder of the shared recordings [default: $SINEW_DATA, else shared/data beside the workspace]
-    #[arg(long, env = "SINEW_DATA")]
-    data: Option<PathBuf>,
+    #[command(flatten)]
+    options: ProgramOptions,
 }
 
 /// Raised with every change of what a cell computes.
@@ -61,14 +55,8 @@ fn cell(program: &Program, film: &Film, entry: &Entry, seed: u64) -> Outcome<ser
 }
 
 fn measure(root: &Path, args: &Args) -> Outcome<()> {
-    let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data"));
-    let folder = args.out.clone().unwrap_or_else(|| root.join("target/trackers"));
-    std::fs::create_dir_all(&folder)?;
-    let path = match &args.program {
-        Some(path) => path.clone(),
-        None => program::built(root)?,
-    };
-    let program = Program { path, folder: folder.clone() };
+    let (data, program) = (args.options.data(root), args.options.program(root, "trackers")?);
+    let folder = program.folder.clone();
     let films = films::all(&program, &data, args.seeds)?;
     films::learn(&program, &data, &films)?;
     let mut store = Store::open(&folder, &format!("version {VERSION}, {ENTRIES:?}"))?;

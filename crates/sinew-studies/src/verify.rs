@@ -45,12 +45,12 @@ impl Done {
         match (self.outcomes.is_empty(), self.outcomes.iter().all(|o| o.holds)) {
             (true, _) => "skipped: no data",
             (_, true) => "holds",
-            (_, false) => "FAILS",
+            (_, false) => "does not hold",
         }
     }
 
     fn failed(&self) -> bool {
-        self.verdict() == "FAILS"
+        self.verdict() == "does not hold"
     }
 }
 
@@ -180,7 +180,7 @@ fn summary(done: &[Done], seconds: f64) -> String {
     let skipped = done.iter().filter(|d| d.outcomes.is_empty()).count();
     let findings: usize = done.iter().map(|d| d.outcomes.len()).sum();
     let statistics: usize = done.iter().flat_map(|d| &d.outcomes).map(|o| o.statistics).sum();
-    let verdict = if failed.is_empty() { "all hold".into() } else { format!("FAILED: {}", failed.join(", ")) };
+    let verdict = if failed.is_empty() { "all hold".into() } else { format!("not all hold: {}", failed.join(", ")) };
     format!(
         "{verdict}; {} checks ({skipped} skipped for want of data), {findings} findings, {statistics} statistics, {:.1} minutes; chance of a false alarm at most {:.1e} for those that state one",
         done.len(),

@@ -11,8 +11,8 @@
 //! | 75 | interrupted; what was done is written and marked incomplete, `--resume` continues from there |
 //! | 130 | second interrupt, nothing saved since |
 
-use crate::predict::PredictError;
-use crate::run::live::LiveError;
+use crate::predict::error::PredictError;
+use crate::run::live::error::LiveError;
 use crate::track::error::TrackError;
 use sinew_input::{FileError, InputError, Problems};
 use sinew_results::{ReadError, ResultsError};

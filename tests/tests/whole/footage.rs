@@ -4,11 +4,11 @@
 use sinew_body::points::{Trajectories, points_of_states};
 use sinew_motion::convert;
 use sinew_motion::recorded::from_points;
-use sinew_simulate::combo::{Sequence, TURN_RADIUS_M, comfortable_radius_m, synthetic_combo};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::Level;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
+use sinew_tests::combo::{Sequence, TURN_RADIUS_M, comfortable_radius_m, synthetic_combo};
 use sinew_tests::recorded_motion::{recorded, recorded_combo};
 
 const RATE_HZ: f64 = 30.0;

@@ -3,6 +3,7 @@
 //! A file that holds many is read once, when the recording is opened, and its keypoints stay in memory.
 
 use super::listing::CameraFiles;
+use super::read_frames::ReadFrames;
 use crate::lag::ClockLag;
 use crate::{Error, files};
 use sinew_formats::keypoint_table::Frames;
@@ -11,7 +12,7 @@ use sinew_formats::source_text::MAX_KEYPOINT_BYTES;
 use sinew_formats::{Place, keypoint_formats};
 use sinew_observe::Camera;
 use std::borrow::Borrow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// The keypoints of a camera.
 #[derive(Debug)]
@@ -83,15 +84,34 @@ impl KeypointCamera {
         hash: u64,
     ) -> Result<Option<(OpenposeFrame, u64)>, Error> {
         let Some(path) = self.files.own_path(own) else { return Ok(None) };
-        let name = path.display().to_string();
-        let Some(frames) = &self.table else {
-            let text = files::read_text(&path, MAX_KEYPOINT_BYTES)?;
-            let frame = keypoint_formats::read_frame(&name, &text, options)?;
-            return Ok(Some((frame, files::fnv(hash, text.as_bytes()))));
-        };
+        let Some(frames) = &self.table else { return Self::read_file(&path, options, hash).map(Some) };
         let Some(frame) = frames.get(&own) else { return Ok(None) };
+        let name = path.display().to_string();
         openpose::check_people(&Place::file(&name).within(format!("frame {own}")), frame, options.layout)?;
         Ok(Some((frame.clone(), hashed(frame, hash))))
+    }
+
+    /// As [`KeypointCamera::read`], with files a frame that stay in memory once they were read.
+    ///
+    /// # Errors
+    /// As [`KeypointCamera::read`].
+    pub fn read_once(
+        &self,
+        own: u64,
+        options: &OpenposeOptions<'_>,
+        hash: u64,
+        before: &ReadFrames,
+    ) -> Result<Option<(OpenposeFrame, u64)>, Error> {
+        match self.files.own_path(own).filter(|_| !self.is_table()) {
+            None => self.read(own, options, hash),
+            Some(path) => before.frame(&path, hash, || Self::read_file(&path, options, hash)).map(Some),
+        }
+    }
+
+    fn read_file(path: &Path, options: &OpenposeOptions<'_>, hash: u64) -> Result<(OpenposeFrame, u64), Error> {
+        let text = files::read_text(path, MAX_KEYPOINT_BYTES)?;
+        let frame = keypoint_formats::read_frame(&path.display().to_string(), &text, options)?;
+        Ok((frame, files::fnv(hash, text.as_bytes())))
     }
 }
 

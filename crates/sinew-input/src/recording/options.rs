@@ -1,10 +1,12 @@
 //! What to take from a recording.
 
+use super::read_frames::ReadFrames;
 use crate::lag::ClockLag;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// What to take from a recording.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct RecordingOptions {
     /// Name of a layout or path of a mapping file; guessed if `None`.
     pub layout: Option<String>,
@@ -20,6 +22,8 @@ pub struct RecordingOptions {
     pub trim: bool,
     /// How late cameras are: frame f of such a camera is in its file numbered f + lag, or between two files. Beginnings and ends that differ by lags are trimmed.
     pub lag: Vec<(String, ClockLag)>,
+    /// What was read before, by this recording or another one of the same files.
+    pub read_before: Arc<ReadFrames>,
 }
 
 impl Default for RecordingOptions {
@@ -32,6 +36,7 @@ impl Default for RecordingOptions {
             cameras: None,
             trim: false,
             lag: vec![],
+            read_before: Arc::default(),
         }
     }
 }

@@ -4,9 +4,10 @@
 //!
 //! Of the settings whose coverage lies in 90 ± 3 % and whose error is within two standard errors of that of the most expensive one, the cheapest is enough for these recordings; docs/evidence/accuracy.md says why the default is dearer.
 
-use super::virtual_cameras::{CMU_RATE_HZ, Motion, Tally, film, mean, share};
+use super::virtual_cameras::{CMU_RATE_HZ, Motion, Tally, film, share};
 use crate::support::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
 use crate::support::outcome::Outcome;
+use crate::support::statistics::mean;
 use plotters::prelude::*;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::settings::Settings;

@@ -1,6 +1,7 @@
 //! Recorded motion in virtual cameras: error and coverage of each joint, tallied over seeds.
 
 use crate::support::outcome::Outcome;
+use crate::support::statistics::mean;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::settings::Settings;
 use sinew::formats::{amc, asf};
@@ -73,10 +74,6 @@ impl Tally {
         self.model_error_mm.push(1e3 * run.setup.model_error_m);
         self.sigma_px.push(mean(&run.setup.camera.iter().map(|c| c.sigma_px).collect::<Vec<_>>()));
     }
-}
-
-pub(super) fn mean(x: &[f64]) -> f64 {
-    x.iter().sum::<f64>() / x.len() as f64
 }
 
 /// Prints the tables of all motions.

@@ -1,9 +1,9 @@
 //! What an unknown lag costs: errors and coverage of limb joints.
 
-use super::measures::with_error;
 use super::recorded::{Clocks, Walk};
 use crate::support::outcome::Outcome;
 use crate::support::program::{Program, shown};
+use crate::support::statistics::with_error;
 use crate::trackers::worth;
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -51,7 +51,7 @@ pub(super) fn table(program: &Program, seeds: Range<u64>) -> Outcome<String> {
                 errors.push(found.error_mm);
                 covered.push(100.0 * found.covered);
             }
-            let _ = writeln!(text, "| {lag} | {words} | {} | {} |", with_error(&errors), with_error(&covered));
+            let _ = writeln!(text, "| {lag} | {words} | {} | {} |", with_error(&errors, 3), with_error(&covered, 3));
         }
     }
     Ok(text)

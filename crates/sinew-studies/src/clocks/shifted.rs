@@ -3,9 +3,10 @@
 //! At half the rate, all cameras keep their even frames and the shifted one takes odd ones. What is judged is the lag against that of the same recording, at the same rate, as it is.
 
 use super::found::{answer, lags};
-use super::measures::{inside, rms};
+use super::measures::inside;
 use crate::support::outcome::Outcome;
 use crate::support::program::Program;
+use crate::support::statistics::rms;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 

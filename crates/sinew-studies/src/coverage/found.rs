@@ -1,6 +1,7 @@
 //! What the series of a scene come to: coverages with their standard errors, histograms of ranks, warnings.
 
 use super::scene::Series;
+use crate::support::statistics::mean;
 use sinew_tests::evaluation;
 use sinew_tests::evaluation::ranks::{self, AllUniform};
 use std::collections::BTreeMap;
@@ -15,10 +16,6 @@ const REPLICATES: usize = 500;
 pub(super) struct Found {
     pub(super) series: usize,
     all: Vec<Series>,
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// Mean over the series and its standard error: whole series are resampled.

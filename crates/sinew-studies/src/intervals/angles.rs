@@ -4,10 +4,10 @@
 //! program reads the same angles off the entries of a product of rotations; what both share is the pose of the body in the true state ([`sinew_results::pose`]). True rates are differences of true
 //! angles over the window that docs/reference/angles.md states, and once more over the two frames about each frame, which is what a rate is usually taken for.
 
-use super::protocol::{DERIVED, FIRST_ANGLES, NOMINAL, verdict};
-use super::summary::with_error;
+use super::protocol::{DERIVED, FIRST_ANGLES, NOMINAL};
 use crate::support::outcome::Outcome;
 use crate::support::program::{Program, shown};
+use crate::support::statistics::{mean_and_error, verdict};
 use crate::support::store::Store;
 use serde_json::{Map, Value, json};
 use sinew::body::KinematicTree;
@@ -213,7 +213,7 @@ pub(super) fn written(shares: &[[f64; 3]]) -> (f64, String) {
     if shares.len() < 2 {
         return (f64::NAN, "| | |".into());
     }
-    let of = |k: usize| with_error(&shares.iter().map(|seed| seed[k]).collect::<Vec<_>>());
+    let of = |k: usize| mean_and_error(&shares.iter().map(|seed| seed[k]).collect::<Vec<_>>());
     let ([inside, error], [apart, _], [half_width, _]) = (of(0), of(1), of(2));
     (inside, format!("| {inside:.1} ± {error:.1} | {apart:.1} | {half_width:.1} "))
 }

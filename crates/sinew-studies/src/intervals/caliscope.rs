@@ -4,9 +4,9 @@
 //!
 //! No axis of its world points up. `xyz_HOLISTIC.csv`, points in space as Caliscope has them, says where up is, and nothing else is taken from it.
 
-use super::left_out::median;
 use super::protocol::{LAYOUT, Recording, UNTOUCHED};
 use crate::support::outcome::Outcome;
+use crate::support::statistics::median;
 use sinew::formats::keypoint_table::TableCamera;
 use sinew::formats::openpose::Keypoint;
 use sinew::formats::rotation::{Matrix, about_axis, product, transpose};
@@ -42,7 +42,7 @@ fn columns<const N: usize>(path: &Path, names: [&str; N]) -> Outcome<Vec<[f64; N
 /// From the middle of the hips to that of the shoulders, by the medians over all frames.
 fn up(points: &[[f64; 4]]) -> [f64; 3] {
     let place = |point: usize, axis: usize| {
-        median(points.iter().filter(|row| row[0] as usize == point).map(|row| row[1 + axis]).collect())
+        median(points.iter().filter(|row| row[0] as usize == point).map(|row| row[1 + axis]))
     };
     let both = |points: [usize; 2], axis: usize| points.map(|point| place(point, axis)).iter().sum::<f64>();
     [0, 1, 2].map(|axis: usize| both(SHOULDERS, axis) - both(HIPS, axis))

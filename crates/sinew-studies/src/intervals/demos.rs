@@ -2,10 +2,11 @@
 //!
 //! A run's common shift is the mean of truth − mean over frames, joints and axes of one kind. Its standard deviation is the root of what the total variance of the points has beyond that within the run; within the run it is taken off.
 
-use super::protocol::{LEAST_P, NOMINAL, WITHIN, verdict};
-use super::summary::{mean, normal_rank, shown, uniformity, with_error};
+use super::protocol::{LEAST_P, NOMINAL, WITHIN};
+use super::summary::{normal_rank, shown, uniformity};
 use crate::support::outcome::Outcome;
 use crate::support::program::Program;
+use crate::support::statistics::{mean, mean_and_error, verdict};
 use crate::support::store::{Store, numbers};
 use serde_json::{Value, json};
 use sinew::body::standard::EVALUATION_JOINTS;
@@ -76,7 +77,7 @@ pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
     let cells: Vec<&Value> = seeds.filter_map(|seed| store.get(&format!("demo/{seed}"))).collect();
     let of = |name: &str| {
         let values: Vec<f64> = cells.iter().filter_map(|cell| cell[name].as_f64()).collect();
-        let [centre, error] = with_error(&values);
+        let [centre, error] = mean_and_error(&values);
         let low = values.iter().copied().fold(f64::INFINITY, f64::min);
         let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         (centre, error, low, high)

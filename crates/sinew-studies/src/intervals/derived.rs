@@ -4,10 +4,10 @@
 
 use super::before::{self, Input};
 use super::posterior::Drawn;
-use super::protocol::{CURVE, DERIVED, DRAWS, FIRST_DERIVED, LAYOUT, NOMINAL, verdict};
-use super::summary::with_error;
+use super::protocol::{CURVE, DERIVED, DRAWS, FIRST_DERIVED, LAYOUT, NOMINAL};
 use crate::support::outcome::Outcome;
 use crate::support::program::{Program, shown};
+use crate::support::statistics::{mean_and_error, verdict};
 use crate::support::store::{Store, numbers};
 use serde_json::{Map, Value, json};
 use sinew::body::standard::EVALUATION_JOINTS;
@@ -224,7 +224,7 @@ pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
         let of = |kind: &str| {
             let shares: Vec<f64> =
                 curves(store, seeds.clone(), kind, key).iter().map(|curve| 100.0 * curve[nominal]).collect();
-            with_error(&shares)
+            mean_and_error(&shares)
         };
         let [[filtered, filtered_error], [smoothed, smoothed_error], [before, before_error]] =
             ["filtered", "smoothed", "before"].map(of);

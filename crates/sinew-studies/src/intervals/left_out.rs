@@ -2,10 +2,11 @@
 //!
 //! Keypoints of the judged frames count. The camera's own offset, the median over the frames of tuning, is taken off.
 
-use super::protocol::{LAYOUT, Recording, is_in, sets, verdict};
-use super::summary::{mean, over_seeds};
+use super::protocol::{LAYOUT, Recording, is_in, sets};
+use super::summary::over_seeds;
 use crate::support::outcome::Outcome;
 use crate::support::program::{Program, shown};
+use crate::support::statistics::{mean, median, quantile, verdict};
 use crate::support::store::{Store, rows};
 use serde_json::{Value, json};
 use sinew::formats::openpose::{OpenposeOptions, OpenposePerson};
@@ -79,11 +80,6 @@ fn residuals<'a>(person: &OpenposePerson, expected: &'a [Expected]) -> Vec<(&'a 
     expected.iter().filter_map(one).collect()
 }
 
-pub(super) fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
-}
-
 /// The people that a camera saw in a frame.
 fn people(recording: &Recording, camera: &str, frame: u64, layout: &Layout) -> Outcome<Vec<OpenposePerson>> {
     let path = recording.file(camera, frame).ok_or("a camera is not in the recording")?;
@@ -119,15 +115,15 @@ pub(super) fn observed(
     for (frame, expected) in prediction {
         let people = people(recording, camera, frame, &layout)?;
         let by_person = people.iter().map(|person| residuals(person, &expected)).filter(|seen| !seen.is_empty());
-        let away = |seen: &Vec<(&Expected, [f64; 2])>| median(seen.iter().map(|(_, [u, v])| u.hypot(*v)).collect());
+        let away = |seen: &Vec<(&Expected, [f64; 2])>| median(seen.iter().map(|(_, [u, v])| u.hypot(*v)));
         if let Some(nearest) = by_person.min_by(|a, b| away(a).total_cmp(&away(b))) {
             seen.extend(nearest.into_iter().map(|(own, r)| (frame, own.column, own.covariance, r)));
         }
     }
-    let offset = [0, 1].map(|axis: usize| median(seen.iter().filter(|s| s.0 < TUNED).map(|s| s.3[axis]).collect()));
+    let offset = [0, 1].map(|axis: usize| median(seen.iter().filter(|s| s.0 < TUNED).map(|s| s.3[axis])));
     let constant = |column: usize| {
         let own = || seen.iter().filter(|s| s.0 < TUNED && s.1 == column);
-        [0, 1].map(|axis: usize| median(own().map(|s| s.3[axis]).collect()))
+        [0, 1].map(|axis: usize| median(own().map(|s| s.3[axis])))
     };
     let constants: Vec<[f64; 2]> = (0..layout.points.len()).map(constant).collect();
     let one = |&(frame, column, [uu, uv, vv], r): &(u64, usize, [f64; 3], [f64; 2])| {
@@ -182,9 +178,7 @@ fn row(text: &mut String, name: &str, seeds: &[Vec<Vec<f64>>], bounds: Option<[f
     let each = |of: &dyn Fn(&Vec<Vec<f64>>) -> f64| seeds.iter().map(of).collect::<Vec<f64>>();
     let at = |share: f64| {
         over_seeds(&each(&|judged| {
-            let mut errors: Vec<f64> = judged.iter().map(|j| j[1]).collect();
-            errors.sort_by(f64::total_cmp);
-            errors.get((share * errors.len().saturating_sub(1) as f64).round() as usize).copied().unwrap_or(f64::NAN)
+            quantile(&judged.iter().map(|j| j[1]).collect::<Vec<f64>>(), share).unwrap_or(f64::NAN)
         }))
     };
     let twice = |j: &&Vec<f64>| j[2] > 0.0;

@@ -1,9 +1,10 @@
 //! Runs of disjoint pairs of cameras: is their difference as large as they say?
 
-use super::protocol::{CAMERAS, PAIRS, Recording, verdict};
-use super::summary::{mean, over_seeds};
+use super::protocol::{CAMERAS, PAIRS, Recording};
+use super::summary::over_seeds;
 use crate::support::outcome::Outcome;
 use crate::support::program::Program;
+use crate::support::statistics::{mean, verdict};
 use crate::support::store::Store;
 use serde_json::{Value, json};
 use sinew::formats::tidy_csv;

@@ -113,10 +113,6 @@ pub(super) fn sets(cameras: &[&'static str; 4], size: usize) -> Vec<Vec<&'static
     (0..1_u32 << cameras.len()).filter(chosen).map(names).collect()
 }
 
-pub(super) fn verdict(met: bool) -> &'static str {
-    if met { "met" } else { "**missed**" }
-}
-
 pub(super) fn is_in(value: f64, [low, high]: [f64; 2]) -> bool {
     (low..=high).contains(&value)
 }

@@ -3,11 +3,11 @@
 //! Before and after, as a table and a figure.
 
 use super::derived;
-use super::protocol::{CURVE, RELIABILITY, verdict};
+use super::protocol::{CURVE, RELIABILITY};
 use super::scores::scored;
-use super::summary::with_error;
 use crate::support::chart::{BLUE, GREY, Line, Names, ORANGE, finish, panel_with};
 use crate::support::outcome::Outcome;
+use crate::support::statistics::{mean_and_error, verdict};
 use crate::support::store::Store;
 use plotters::prelude::*;
 use sinew_analysis::validate::ObservationTally;
@@ -33,7 +33,7 @@ fn from_tally(tally: &ObservationTally) -> Held {
 }
 
 fn from_seeds(curves: &[Vec<f64>]) -> Held {
-    (0..CURVE.len()).map(|level| with_error(&curves.iter().map(|curve| curve[level]).collect::<Vec<_>>())).collect()
+    (0..CURVE.len()).map(|level| mean_and_error(&curves.iter().map(|curve| curve[level]).collect::<Vec<_>>())).collect()
 }
 
 fn judged(store: &Store, [runs, seeds]: [Range<u64>; 2]) -> Vec<Judged> {

@@ -9,10 +9,11 @@ pub(super) mod two_cameras;
 pub(super) use ranked::flags;
 
 use super::derived::limb_angles;
-use super::protocol::{DRAWS, LEAST_P, NOMINAL, WITHIN, verdict};
-use super::summary::{shown, uniformity, with_error};
+use super::protocol::{DRAWS, LEAST_P, NOMINAL, WITHIN};
+use super::summary::{shown, uniformity};
 use crate::support::outcome::Outcome;
 use crate::support::program::Program;
+use crate::support::statistics::{mean_and_error, verdict};
 use crate::support::store::{Store, numbers};
 use serde_json::Value;
 use sinew::body::point_derivatives::length_names;
@@ -48,7 +49,7 @@ fn row(name: &str, rigs: &[Vec<u32>]) -> String {
     let count = rigs.first().map_or(0, Vec::len);
     let inside = LEVELS.map(|level| {
         let of = |ranks: &Vec<u32>| 100.0 * ranks::coverage(ranks, DRAWS, level);
-        with_error(&rigs.iter().map(of).collect::<Vec<_>>())
+        mean_and_error(&rigs.iter().map(of).collect::<Vec<_>>())
     });
     let one: Vec<u32> = rigs.iter().enumerate().map(|(rig, ranks)| ranks[rig % count]).collect();
     let each = (0..count).map(|k| uniformity(&rigs.iter().map(|ranks| ranks[k]).collect::<Vec<_>>()));
@@ -141,7 +142,7 @@ pub(super) fn at_joints_table(store: &Store, seeds: Range<u64>) -> Outcome<Strin
     for (key, name) in AT_JOINTS {
         let held = |cells: &[&Value]| {
             let ranks = cells.iter().map(|cell| ranks_of(cell, key)).filter(|ranks| !ranks.is_empty());
-            let [share, error] = with_error(&ranks.map(|ranks| share_inside(&ranks)).collect::<Vec<_>>());
+            let [share, error] = mean_and_error(&ranks.map(|ranks| share_inside(&ranks)).collect::<Vec<_>>());
             format!("{share:.1} ± {error:.1}")
         };
         let _ = writeln!(text, "| {name} | {} | {} |", held(&aside), held(&at_joints));
@@ -149,7 +150,7 @@ pub(super) fn at_joints_table(store: &Store, seeds: Range<u64>) -> Outcome<Strin
     let forearm = forearm()?;
     let shifted = |cells: &[&Value]| {
         let found = cells.iter().filter(|cell| cell["lengths"].is_array());
-        let [shift, error] = with_error(&found.map(|cell| shift_of(cell, forearm)).collect::<Vec<_>>());
+        let [shift, error] = mean_and_error(&found.map(|cell| shift_of(cell, forearm)).collect::<Vec<_>>());
         format!("{shift:+.3} ± {error:.3}")
     };
     let _ = writeln!(
@@ -208,7 +209,7 @@ pub(super) fn elbow_table(store: &Store, seeds: Range<u64>) -> Outcome<String> {
     );
     text += "| third of the rigs | elbows aside, mm | upper arms, % | other limbs, % | length of the forearm, shift |\n|---|---|---|---|---|\n";
     for (name, third) in ["nearest", "middle", "farthest"].into_iter().zip(rigs.chunks(rigs.len().div_ceil(3).max(1))) {
-        let of = |value: fn(&Arms) -> f64| with_error(&third.iter().map(value).collect::<Vec<_>>());
+        let of = |value: fn(&Arms) -> f64| mean_and_error(&third.iter().map(value).collect::<Vec<_>>());
         let percent = |[share, error]: [f64; 2]| format!("{share:.1} ± {error:.1}");
         let [least, most] = [third.first(), third.last()].map(|arms| 1e3 * arms.map_or(f64::NAN, |arms| arms.aside_m));
         let [shift, error] = of(|arms| arms.forearm);

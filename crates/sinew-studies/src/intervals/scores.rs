@@ -8,10 +8,10 @@
 use super::before::{self, Input};
 use super::left_out::{Expected, Observed, Prediction, REGION, TUNED, observed, predicted};
 use super::posterior::Drawn;
-use super::protocol::{CAMERAS, LAYOUT, NOMINAL, Recording, sets, verdict};
-use super::summary::mean;
+use super::protocol::{CAMERAS, LAYOUT, NOMINAL, Recording, sets};
 use crate::support::outcome::Outcome;
 use crate::support::program::Program;
+use crate::support::statistics::{mean, quantile, verdict};
 use crate::support::store::{Store, rows};
 use serde_json::{Map, Value, json};
 use sinew::formats::layout;
@@ -148,10 +148,7 @@ pub(super) fn scored(store: &Store, size: usize, seeds: Range<u64>) -> Option<Sc
 
 /// Squared distances over the factor with which regions of 90 % hold 90 %.
 fn fitted(squares: &[f64]) -> Vec<f64> {
-    let mut sorted = squares.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let place = (NOMINAL / 100.0 * sorted.len().saturating_sub(1) as f64).round() as usize;
-    let factor = sorted.get(place).map_or(1.0, |square| square / REGION);
+    let factor = quantile(squares, NOMINAL / 100.0).map_or(1.0, |square| square / REGION);
     squares.iter().map(|square| square / factor).collect()
 }
 

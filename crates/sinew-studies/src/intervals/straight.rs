@@ -6,9 +6,9 @@ use super::derived::{SEGMENTS, distance, limb_angles};
 use super::posterior::Drawn;
 use super::protocol::Recording;
 use super::rigs;
-use super::summary::mean;
 use crate::support::outcome::Outcome;
 use crate::support::program::{Program, shown};
+use crate::support::statistics::{mean, quantile};
 use crate::support::store::Store;
 use serde_json::{Map, Value, json};
 use sinew::body::KinematicTree;
@@ -130,11 +130,8 @@ fn left_out(program: &Program, flags: &[String], folder: &Path) -> Outcome<Value
         }
     }
     std::fs::remove_dir_all(folder)?;
-    let each = |(family, mut away): (&str, Vec<f64>)| {
-        away.sort_by(f64::total_cmp);
-        let at = |share: f64| away.get((share * away.len().saturating_sub(1) as f64).round() as usize).copied();
-        (family.to_owned(), json!([at(0.5), at(0.9)]))
-    };
+    let each =
+        |(family, away): (&str, Vec<f64>)| (family.to_owned(), json!([quantile(&away, 0.5), quantile(&away, 0.9)]));
     Ok(away.into_iter().map(each).collect::<Map<_, _>>().into())
 }
 

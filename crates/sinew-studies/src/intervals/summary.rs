@@ -2,24 +2,13 @@
 
 use super::protocol::{BINS, DRAWS};
 use crate::support::outcome::Outcome;
+use crate::support::statistics::{mean, mean_and_error};
 use sinew_tests::evaluation::ranks;
 use statrs::distribution::{ContinuousCDF as _, Normal, StudentsT};
 
-pub(super) fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
-    sum / count
-}
-
-/// Mean of independent values, and its standard error.
-pub(super) fn with_error(values: &[f64]) -> [f64; 2] {
-    let centre = mean(values.iter().copied());
-    let variance = values.iter().map(|x| (x - centre).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0);
-    [centre, (variance / values.len() as f64).sqrt()]
-}
-
 /// Mean over seeds, and their standard deviation; one number alone has none.
 pub(super) fn over_seeds(values: &[f64]) -> String {
-    let [centre, error] = with_error(values);
+    let [centre, error] = mean_and_error(values);
     let spread = error * (values.len() as f64).sqrt();
     if spread.is_nan() { format!("{centre:.1}") } else { format!("{centre:.1} ± {spread:.1}") }
 }

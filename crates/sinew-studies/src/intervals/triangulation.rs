@@ -3,9 +3,10 @@
 //! The triangulation shares keypoints and their offsets with the run, so that no bound stands on it. It means the detector's keypoints (`keypoints.csv`) more than the joints (`joints.csv`).
 
 use super::protocol::Recording;
-use super::summary::{mean, over_seeds};
+use super::summary::over_seeds;
 use crate::support::outcome::Outcome;
 use crate::support::program::Program;
+use crate::support::statistics::mean;
 use crate::support::store::Store;
 use serde_json::{Map, Value, json};
 use sinew::body::standard::EVALUATION_JOINTS;

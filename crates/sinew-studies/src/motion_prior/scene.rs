@@ -3,6 +3,7 @@
 use super::people::{Models, Person, RATE_HZ};
 use crate::support::outcome::Outcome;
 use crate::support::processor_time::thread_seconds;
+use crate::support::statistics::median;
 use serde_json::{Value, json};
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::settings::Settings;
@@ -172,14 +173,13 @@ fn judged(found: &Filtered, truth: &Trajectories, ms: f64) -> Series {
         .map(|frame| frame.iter().map(|&point| Some(point)).collect())
         .collect();
     let track = evaluation::positions(&found.tree, judged, &EVALUATION_JOINTS);
-    let mut r_hats: Vec<f64> = judged.iter().map(|estimate| estimate.r_hat.unwrap_or(f64::INFINITY)).collect();
-    r_hats.sort_by(f64::total_cmp);
+    let r_hats: Vec<f64> = judged.iter().map(|estimate| estimate.r_hat.unwrap_or(f64::INFINITY)).collect();
     let disagreeing = r_hats.iter().filter(|r| **r > 1.05).count() as f64 / r_hats.len() as f64;
     Series {
         error_mm: 1e3 * evaluation::mean_distance(&track, &target, 0..judged.len()),
         covered: LEVELS.map(|level| ranks::coverage(&ranked, ranks::DRAWS, level)),
         disagreeing,
-        r_hat: r_hats[r_hats.len() / 2],
+        r_hat: median(&r_hats),
         ms,
         is_doubted: !found.doubts.is_empty(),
     }

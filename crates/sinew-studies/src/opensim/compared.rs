@@ -1,6 +1,7 @@
 //! Angles of a run beside coordinates of an OpenSim model: bias, spread, correlation, and what a bias comes from.
 
 use crate::support::outcome::Outcome;
+use crate::support::statistics::mean;
 use sinew::formats::mot::{self, Mot};
 use std::fmt::Write as _;
 use std::fs;
@@ -65,13 +66,9 @@ fn is_length(name: &str) -> bool {
     name.starts_with("pelvis_t") && name.len() == "pelvis_tx".len()
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
 fn deviation(values: &[f64]) -> f64 {
     let middle = mean(values);
-    mean(&values.iter().map(|x| (x - middle).powi(2)).collect::<Vec<_>>()).sqrt()
+    mean(values.iter().map(|x| (x - middle).powi(2))).sqrt()
 }
 
 /// Differences; of angles in [−180, 180).

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | [`scene`] | motion, camera, observed markers |
 //! | [`problem`] | the posterior of a part of the body in one frame |
-//! | [`chains`] | one frame of a hybrid Monte Carlo filter; that of a particle filter is [`sinew::samplers::likelihood_weighting`] |
+//! | [`chains`] | one frame of a hybrid Monte Carlo filter; that of a particle filter is [`likelihood_weighting`] |
 //! | [`single`], [`multi`] | the two studies |
 //! | [`opponents`], [`cameras`] | beyond the paper: other samplers and a search; more cameras and other errors |
 //! | [`study`], [`cells`] | how much is run, and what |
@@ -23,6 +23,7 @@ mod claims;
 mod crossover;
 mod curves;
 mod figures;
+mod likelihood_weighting;
 mod multi;
 mod multi_claims;
 mod opponents;
@@ -177,11 +178,7 @@ impl Run<'_> {
 
 /// Runs the command.
 pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
-    let data = args.options.data(root);
-    if !data.join("cmu_amc").is_dir() {
-        println!("skipped: no data in {}", data.display());
-        return Ok(ExitCode::SUCCESS);
-    }
+    let data = args.options.recordings(root)?;
     let clock = Instant::now();
     let size = if args.quick { Size::quick() } else { Size::full() };
     let name = if args.quick { "reproduce/choo-fleet-quick" } else { "reproduce/choo-fleet" };
@@ -204,20 +201,16 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::papers::reduced_size;
 
     /// The whole command in a reduced size: files are written, and the directions of CF1, CF2 and CF5 are the paper's.
     #[test]
     fn the_reduced_study_holds() {
-        let root = crate::support::root();
-        let out = std::env::temp_dir().join(format!("sinew-reproduction-{}", std::process::id()));
         if sinew_tests::data::shared("cmu_amc").is_none() {
             return;
         }
-        let data = Some(sinew_tests::data::folder());
-        let options = StudyOptions { out: Some(out.clone()), data, threads: None };
-        let args = Args { quick: true, only: vec![], seed: 1, options };
-        assert_eq!(run(root, &args).unwrap(), ExitCode::SUCCESS, "claims that fail are printed above");
-        assert!(out.join("cells.jsonl").is_file() && std::fs::read_dir(&out).unwrap().count() > 3);
-        std::fs::remove_dir_all(&out).unwrap();
+        reduced_size::holds("choo-fleet", &["cells.jsonl", "results.json", "variances.svg"], |options| {
+            run(crate::support::root(), &Args { quick: true, only: vec![], seed: 1, options })
+        });
     }
 }

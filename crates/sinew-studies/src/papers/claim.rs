@@ -1,5 +1,6 @@
 //! A paper's claim and what became of it.
 
+use crate::support::statistics::verdict;
 use std::fmt::Write as _;
 
 /// A claim, judged by a criterion that was fixed before any run.
@@ -17,8 +18,7 @@ pub(super) struct Claim {
 pub(super) fn table(claims: &[Claim]) -> String {
     let mut out = String::from("| | paper | ours | criterion | |\n|---|---|---|---|---|\n");
     for Claim { id, paper, ours, criterion, pass, .. } in claims {
-        let verdict = if *pass { "pass" } else { "**fail**" };
-        let _ = writeln!(out, "| {id} | {paper} | {ours} | {criterion} | {verdict} |");
+        let _ = writeln!(out, "| {id} | {paper} | {ours} | {criterion} | {} |", verdict(*pass));
     }
     out
 }

@@ -28,7 +28,7 @@ mod track;
 
 use crate::support::outcome::Outcome;
 use crate::support::store::Store;
-use crate::support::study_options::StudyOptions;
+use crate::support::study_options::{StudyOptions, no_recordings};
 use contender::{Contender, READINGS, Reading};
 use results::{Estimate, Results, mean};
 use scene::{FRAMES, Scene, Tracked};
@@ -134,10 +134,11 @@ fn truth_is_most_precise(store: &Store, group: &Group) -> Outcome<bool> {
 /// Runs the command.
 pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let clock = Instant::now();
-    let data = args.options.data(root).join("cmu_amc");
-    let recordings = data.is_dir().then_some(data.as_path());
+    let data = args.options.data(root);
+    let folder = data.join("cmu_amc");
+    let recordings = folder.is_dir().then_some(folder.as_path());
     if recordings.is_none() {
-        println!("no recordings in {}: the synthetic sequence is used", data.display());
+        println!("{}", no_recordings(&data));
     }
     let (name, which) = match (args.quick, args.pilot) {
         (true, _) => ("reproduce/coarse-to-fine-quick", Tracked::Test),
@@ -197,25 +198,28 @@ fn groups(args: &Args) -> Vec<Group> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::papers::reduced_size;
 
     /// The whole command in a reduced size: files are written, the true pose is the most precise, and coarse particles stand on their grid.
     #[test]
     fn the_reduced_study_holds() {
-        let root = crate::support::root();
-        let out = std::env::temp_dir().join(format!("sinew-coarse-to-fine-{}", std::process::id()));
-        let args = Args {
-            quick: true,
-            seeds: 1,
-            pilot: false,
-            other_seeds: 0,
-            level_seeds: 0,
-            beside_seeds: 0,
-            options: StudyOptions { out: Some(out.clone()), ..StudyOptions::usual() },
-        };
-        assert_eq!(run(root, &args).unwrap(), ExitCode::SUCCESS, "what was found is printed above");
-        for file in ["cells.jsonl", "tables.md", "tables.csv", "claims.md", "results.json", "likelihood.svg"] {
-            assert!(out.join(file).is_file(), "{file}");
-        }
-        std::fs::remove_dir_all(&out).unwrap();
+        reduced_size::holds(
+            "coarse-to-fine",
+            &["cells.jsonl", "tables.md", "tables.csv", "claims.md", "results.json", "likelihood.svg"],
+            |options| {
+                run(
+                    crate::support::root(),
+                    &Args {
+                        quick: true,
+                        seeds: 1,
+                        pilot: false,
+                        other_seeds: 0,
+                        level_seeds: 0,
+                        beside_seeds: 0,
+                        options,
+                    },
+                )
+            },
+        );
     }
 }

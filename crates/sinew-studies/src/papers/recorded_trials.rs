@@ -6,7 +6,7 @@ use crate::support::outcome::Outcome;
 use sinew::formats::{amc, asf};
 use sinew_body::points::Trajectories;
 use sinew_motion::cmu;
-use sinew_simulate::combo::{Sequence, Trial, combo, comfortable_radius_m};
+use sinew_tests::combo::{Sequence, Trial, combo, comfortable_radius_m};
 use std::path::Path;
 
 /// A trial: its folder, name, skeleton and frame rate.

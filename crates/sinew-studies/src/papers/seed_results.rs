@@ -1,11 +1,11 @@
 //! What stored cells of tracked motions say. Means over frames with their errors over seeds, differences, and whether the person is kept.
 
-use super::worth::{Errors, kept, mean};
+use super::worth::{Errors, kept};
 use crate::support::outcome::Outcome;
+use crate::support::statistics::{mean, mean_and_error};
 use crate::support::store::{Store, numbers};
 use serde_json::Value;
 use sinew_tests::evaluation::block_bootstrap;
-use sinew_tests::finding::mean_and_error;
 use std::ops::Range;
 
 /// Replicates of a bootstrap.

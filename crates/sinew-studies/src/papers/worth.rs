@@ -4,6 +4,7 @@
 //! position and heading.
 
 use super::masked_scene::Scene;
+use crate::support::statistics::mean;
 use sinew_body::points::{Trajectories, points_of_states};
 use sinew_tests::evaluation::joint_errors::joint_errors_mm;
 
@@ -57,10 +58,6 @@ fn limbs_mm(found: &Trajectories, truth: &Trajectories) -> Vec<f64> {
 /// The mean pose of training at the true position and heading, frame by frame.
 pub(super) fn mean_poses(scene: &Scene, mean_pose: &[f64]) -> Vec<Vec<f64>> {
     scene.truth.iter().map(|truth| [&truth[..PLACED], &mean_pose[PLACED..]].concat()).collect()
-}
-
-pub(super) fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// Share of frames of small absolute error, the limb ratio, and whether the person is kept.

@@ -2,9 +2,9 @@
 //!
 //! `pose2sim_two_people`, against Pose2Sim's tables of them.
 
-use crate::gait::with_error;
 use crate::support::outcome::Outcome;
 use crate::support::program::{Program, shown};
+use crate::support::statistics::{mean, verdict, with_error};
 use sinew::formats::trc::{self, Trc};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -83,9 +83,8 @@ pub(crate) fn table(program: &Program, data: &Path, seeds: u64) -> Outcome<Strin
         "| person | all in one run, mm | bound of the task, mm | | a run of his own (`--person`), mm |\n|---|---|---|---|---|\n",
     );
     for ((_, who, bound), [together, alone]) in REFERENCES.iter().zip(&distances(program, data, seeds)?) {
-        let mean = together.iter().sum::<f64>() / together.len() as f64;
-        let met = if mean <= *bound { "met" } else { "**missed**" };
-        let _ = writeln!(text, "| {who} | {} | {bound} | {met} | {} |", with_error(together), with_error(alone));
+        let met = verdict(mean(together) <= *bound);
+        let _ = writeln!(text, "| {who} | {} | {bound} | {met} | {} |", with_error(together, 1), with_error(alone, 1));
     }
     Ok(text)
 }

@@ -15,6 +15,7 @@ use sinew_dynamics::random_walk::Between;
 use sinew_input::footage::{FootageFiles, Init};
 use sinew_input::lag::ClockLag;
 use sinew_input::recording::given::GivenRecording;
+use sinew_input::recording::read_frames::ReadFrames;
 use sinew_latent::file::StoredModel;
 use sinew_observe::Noise;
 use sinew_results::standing_trial::StandingTrial;
@@ -73,6 +74,8 @@ pub struct TrackConfig {
     pub body: String,
     /// Set-up of an earlier run.
     pub setup: Option<PathBuf>,
+    /// What the passes of a run have read of keypoints.
+    pub read_before: Arc<ReadFrames>,
     /// What that file holds, where it was read before.
     pub known_setup: Option<Arc<KnownSetup>>,
     /// Cameras that other recordings share.
@@ -145,6 +148,7 @@ impl Resolved {
             up: self.values.text("up"),
             body: self.values.text("body").unwrap_or_default(),
             setup: self.values.path("setup"),
+            read_before: Arc::clone(&self.read_before),
             known_setup: self.known_setup.clone(),
             shared_cameras: self.shared_cameras.clone(),
             setup_frames: self.values.frames("setup_frames"),

@@ -9,7 +9,7 @@
 
 mod answer;
 mod answering;
-mod error;
+pub(crate) mod error;
 mod lines;
 mod place;
 mod queue;

@@ -54,5 +54,6 @@ pub fn reading(config: &TrackConfig) -> RecordingOptions {
         cameras: config.cameras.clone(),
         trim: config.trim,
         lag: config.lag.clone(),
+        read_before: std::sync::Arc::clone(&config.read_before),
     }
 }

@@ -3,9 +3,10 @@
 use super::super::derived::{Run, Truth, ranked};
 use super::super::posterior::Drawn;
 use super::super::protocol::{DRAWS, LAYOUT};
-use super::super::summary::{mean, scale_mixture_rank};
+use super::super::summary::scale_mixture_rank;
 use crate::support::outcome::Outcome;
 use crate::support::program::Program;
+use crate::support::statistics::mean;
 use serde_json::{Map, Value, json};
 use sinew::observe::cameras::camera_error::PRINCIPAL_POINT;
 use sinew::predict::predict;

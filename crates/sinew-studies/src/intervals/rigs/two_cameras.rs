@@ -1,8 +1,8 @@
 //! Two neighbouring cameras of a rig predict the two others: how much does coverage scatter from rig to rig?
 
-use super::super::summary::{mean, with_error};
 use crate::support::outcome::Outcome;
 use crate::support::program::Program;
+use crate::support::statistics::{mean, mean_and_error, quantile};
 use crate::support::store::{Store, numbers};
 use serde_json::{Value, json};
 use sinew::input::source::FrameSource as _;
@@ -56,17 +56,16 @@ pub(in super::super) fn name(seed: u64) -> String {
 pub(in super::super) fn table(store: &Store, seeds: Range<u64>) -> String {
     let cells: Vec<&Value> = seeds.filter_map(|seed| store.get(&name(seed))).collect();
     let rigs: Vec<Vec<f64>> = cells.iter().map(|cell| numbers(&cell["held"])).filter(|held| !held.is_empty()).collect();
-    let [centre, error] = with_error(&rigs.iter().map(|held| mean(held.iter().copied())).collect::<Vec<_>>());
-    let mut single = rigs.concat();
-    single.sort_by(f64::total_cmp);
-    let at = |share: f64| single.get((share * single.len().saturating_sub(1) as f64).round() as usize);
+    let [centre, error] = mean_and_error(&rigs.iter().map(|held| mean(held.iter().copied())).collect::<Vec<_>>());
+    let single = rigs.concat();
     let mut text = format!(
         "{} rigs of {FRAMES} frames, {} refused; two neighbouring cameras used, inside 90 % regions of the two others, offset taken off:\n\n",
         rigs.len(),
         cells.len() - rigs.len()
     );
     text += "| mean over rigs, % | single cameras: 5 % of them below, % | 10 % | 25 % | median | 75 % |\n|---|---|---|---|---|---|\n";
-    let cells = [0.05, 0.1, 0.25, 0.5, 0.75].map(|share| at(share).map_or("–".into(), |held| format!("{held:.0}")));
+    let cells = [0.05, 0.1, 0.25, 0.5, 0.75]
+        .map(|share| quantile(&single, share).map_or("–".into(), |held| format!("{held:.0}")));
     let _ = writeln!(text, "| {centre:.1} ± {error:.1} | {} |", cells.join(" | "));
     text
 }

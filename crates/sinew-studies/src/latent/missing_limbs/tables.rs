@@ -2,6 +2,7 @@
 
 use super::contenders::{Latent, words};
 use super::pilot::{FOLDS, LIMBS, Pilot, Score, Scores};
+use crate::support::statistics::mean_and_error;
 use sinew_tests::missing_limbs::latent::{INTERVALS, Rows};
 use std::fmt::Write as _;
 
@@ -14,17 +15,10 @@ const PUBLISHED: [(&str, [f64; 4]); 5] = [
     ("GP-LVM, q = 5 (Lawrence 2007)", [13.4, 4.25, 23.4, 2.78]),
 ];
 
-fn mean_and_sd(values: &[f64]) -> [f64; 2] {
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let square: f64 = values.iter().map(|x| (x - mean).powi(2)).sum();
-    [mean, (square / (count - 1.0)).sqrt()]
-}
-
 fn limb_errors(scores: &Scores, limb: usize) -> String {
     let values: Vec<f64> = scores.iter().flatten().map(|limbs| limbs[limb].rms_deg).collect();
-    let [mean, sd] = mean_and_sd(&values);
-    format!("{mean:.2} ± {sd:.2}")
+    let [mean, error] = mean_and_error(&values);
+    format!("{mean:.2} ± {:.2}", error * (values.len() as f64).sqrt())
 }
 
 /// How often every interval holds the truth, mean over sequences, %.

@@ -8,6 +8,7 @@ use super::partitions;
 use super::schemes::{CASES, SCHEMES};
 use super::study::{Part, Study};
 use crate::support::outcome::Outcome;
+use crate::support::statistics::mean;
 use crate::support::store::numbers;
 use sinew::samplers::annealed_search;
 use sinew::tracking::annealed::Config;
@@ -21,10 +22,6 @@ pub(super) struct Expectation {
     pub(super) criterion: &'static str,
     pub(super) ours: String,
     pub(super) holds: bool,
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// Errors of a method on the film, the mean over the frames of each seed, millimetres.

@@ -6,6 +6,7 @@ use super::schemes::{CASES, SCHEMES, over_multinomial};
 use super::study::{Part, Study};
 use crate::papers::interval_tally::LEVELS;
 use crate::support::outcome::Outcome;
+use crate::support::statistics::verdict;
 use crate::support::store::numbers;
 use serde_json::{Value, json};
 use sinew_tests::finding::mean_and_error;
@@ -17,8 +18,7 @@ use std::path::Path;
 pub(super) fn expectations(all: &[Expectation]) -> String {
     let mut out = String::from("| | expected | criterion | found | |\n|---|---|---|---|---|\n");
     for Expectation { id, what, criterion, ours, holds } in all {
-        let verdict = if *holds { "holds" } else { "**fails**" };
-        let _ = writeln!(out, "| {id} | {what} | {criterion} | {ours} | {verdict} |");
+        let _ = writeln!(out, "| {id} | {what} | {criterion} | {ours} | {} |", verdict(*holds));
     }
     out
 }

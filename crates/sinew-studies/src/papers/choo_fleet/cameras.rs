@@ -14,6 +14,7 @@ use super::scene::{self, Source};
 use super::single::{self, Setting};
 use super::study::{FRAMES, Study, frame_name};
 use crate::support::outcome::Outcome;
+use crate::support::statistics::median;
 use crate::support::store::{Store, Task, numbers, run_all};
 use serde_json::{Value, json};
 use sinew::body::Plan;
@@ -213,8 +214,7 @@ impl Frames {
             volume += volumes_of(reference, sd.sd())[1] / WALKING.len() as f64;
             r_hat = reference["r_hat"].as_f64().map_or(f64::NAN, |r| r.max(r_hat));
         }
-        effective.sort_by(f64::total_cmp);
-        Ok(Self { effective: effective[effective.len() / 2], volume, r_hat })
+        Ok(Self { effective: median(&effective), volume, r_hat })
     }
 }
 

@@ -6,7 +6,7 @@ use super::problem::Problem;
 use crate::support::outcome::Outcome;
 use sinew::core::lanes::{Block, LANES};
 use sinew::core::random::Stage;
-use sinew::samplers::chains::{ChainDraws, Schedule, draw};
+use sinew::samplers::chains::{ChainDraws, Schedule, draw_trajectories};
 use sinew::samplers::curvature::curvature;
 use sinew::samplers::hmc::Hmc;
 use sinew::samplers::laplace::laplace;
@@ -114,7 +114,7 @@ pub(super) fn run(
     let [to_start, to_move] = stage.split(["start", "chains"]);
     let (states, metric) = start(problem, variant, chains, to_start)?;
     let hmc = Hmc::with_metric(step.eta, &metric, step.steps, variant.jitter(), problem.isa)?;
-    Ok(draw(&problem.target(), &hmc, &states, chains, Schedule { updates, burn_in: BURN_IN }, &to_move)?)
+    Ok(draw_trajectories(&problem.target(), &hmc, &states, chains, Schedule { updates, burn_in: BURN_IN }, &to_move)?)
 }
 
 /// Mean of the kept draws.

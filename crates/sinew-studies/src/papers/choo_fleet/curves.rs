@@ -6,6 +6,7 @@ use super::scene::Source;
 use super::single::Setting;
 use super::study::{Study, cell_key, factor_key, reference_key};
 use crate::support::outcome::Outcome;
+use crate::support::statistics::{mean as average, median};
 use crate::support::store::{Store, numbers, rows};
 use serde_json::Value;
 use sinew_tests::evaluation::equal_variance::Cell;
@@ -15,15 +16,12 @@ use sinew_tests::evaluation::volumes::log10_volume_ratios;
 pub(super) fn cell(value: &Value, mean: &[f64], factor: f64) -> Cell {
     let number = |name: &str| value[name].as_f64().unwrap_or(f64::NAN);
     let square = |run: &Vec<f64>| run.iter().zip(mean).map(|(a, b)| (a - b).powi(2)).collect();
-    let mut effective = numbers(&value["effective"]);
-    effective.sort_by(f64::total_cmp);
-    let acceptance = numbers(&value["acceptance"]);
     Cell {
         seconds: number("seconds"),
         units: number("likelihoods") + factor * number("gradients"),
         squares: rows(&value["means"]).iter().map(square).collect(),
-        effective: effective.get(effective.len() / 2).copied().unwrap_or(f64::NAN),
-        acceptance: acceptance.iter().sum::<f64>() / acceptance.len() as f64,
+        effective: median(numbers(&value["effective"])),
+        acceptance: average(numbers(&value["acceptance"])),
     }
 }
 

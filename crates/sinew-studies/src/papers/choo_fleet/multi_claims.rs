@@ -4,9 +4,9 @@ use super::multi::SHOWN;
 use super::problem::MODELS;
 use super::scene::Source;
 use super::study::{MULTI, Study, series};
-use super::summary::mean;
 use crate::papers::claim::Claim;
 use crate::support::outcome::Outcome;
+use crate::support::statistics::mean;
 use crate::support::store::Store;
 use sinew_tests::finding::mean_and_error;
 

@@ -117,7 +117,7 @@ fn run_once(problem: &Problem, opponent: Opponent, size: usize, step: &Step, sta
                 ..tempered_smc::Config::default()
             };
             let metric = Metric::Dense(laplace.metric);
-            let sample = tempered_smc::sample(observed, prior, &metric, &config, isa, to_sample)?;
+            let sample = tempered_smc::temper(observed, prior, &metric, &config, isa, to_sample)?;
             let layers = sample.temperatures.len();
             Run {
                 mean: sample.mean(),

@@ -4,12 +4,12 @@
 //! holds the means of its runs; everything else is computed from them and the reference ([`super::claims`]).
 
 use super::chains::{self, Step, Variant};
+use super::likelihood_weighting::{weigh, weigh_parts};
 use super::problem::Problem;
 use crate::support::outcome::Outcome;
 use serde_json::{Value, json};
 use sinew::core::diagnostics::{effective_sample_size, split_r_hat};
 use sinew::core::random::Stage;
-use sinew::samplers::likelihood_weighting::{weigh, weigh_parts};
 use std::time::Instant;
 
 /// A setting of Table 1.

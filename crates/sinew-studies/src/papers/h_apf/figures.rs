@@ -38,6 +38,12 @@ fn draw(results: &Results<'_>, panels: &[Panel], path: &Path) -> Outcome<()> {
     finish(&root)
 }
 
+/// Draws figure 1 of one motion and some methods into a folder.
+pub(super) fn walk(results: &Results<'_>, (motion, of): (Motion, &[Contender]), folder: &Path) -> Outcome<()> {
+    let methods = of.iter().map(|contender| contender.method).zip([BLUE, ORANGE, GREY]).collect();
+    draw(results, &[(motion, methods)], &folder.join("figure-1.svg"))
+}
+
 /// Draws both figures into a folder.
 pub(super) fn all(results: &Results<'_>, folder: &Path) -> Outcome<()> {
     let mean_pose = (Method::MeanPose, GREY);

@@ -3,8 +3,9 @@
 use super::contender::{Contender, Disturbance, Method, Motion, disturbed};
 use super::motions::{BLANK_FRAMES, DISTURBED, FOUND_WITHIN};
 use crate::papers::seed_results::{Mean, ONE_SIDED, REPLICATES, Results};
-use crate::papers::worth::{Errors, lost, mean, recovered};
+use crate::papers::worth::{Errors, lost, recovered};
 use crate::support::outcome::Outcome;
+use crate::support::statistics::mean;
 use crate::support::store::numbers;
 use sinew_tests::evaluation::grouped_block_bootstrap;
 

@@ -15,7 +15,7 @@ use sinew::core::lanes::Isa;
 use sinew::files::{FNV_START, fnv};
 use sinew_body::points::Trajectories;
 use sinew_motion::follow::NamedBody;
-use sinew_simulate::combo::{Phase, comfortable_radius_m};
+use sinew_tests::combo::{Phase, comfortable_radius_m};
 use sinew_tests::recorded_motion::recorded_combo;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

@@ -13,7 +13,7 @@ use sinew::core::lanes::Isa;
 use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::files::{FNV_START, fnv};
 use sinew_motion::follow::NamedBody;
-use sinew_simulate::combo::comfortable_radius_m;
+use sinew_tests::combo::comfortable_radius_m;
 use sinew_tests::recorded_motion::recorded_combo;
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
