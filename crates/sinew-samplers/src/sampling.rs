@@ -62,12 +62,6 @@ pub(crate) struct Warm<'a> {
 }
 
 impl Warm<'_> {
-    /// The chains' states in full blocks, whose idle lanes repeat them.
-    pub(crate) fn packed(&self) -> Vec<Block> {
-        let states = states_of(&self.warmed.states, self.target.dim(), self.chains);
-        blocks(&states, LANES)
-    }
-
     /// Step size and length of trajectories by trial, and where the trial has left the chains, in full blocks.
     pub(crate) fn tuned(
         &self,
@@ -76,7 +70,8 @@ impl Warm<'_> {
         jitter: f64,
     ) -> Result<(Hmc, Tuned, Vec<Block>), Error> {
         let (metric, isa) = (&self.warmed.metric, self.isa);
-        let mut trial = StepSizeTrial { target: self.full, metric, states: self.packed(), isa };
+        let states = blocks(&states_of(&self.warmed.states, self.target.dim(), self.chains), LANES);
+        let mut trial = StepSizeTrial { target: self.full, metric, states, isa };
         let tolerance = 0.5 * (1.0 - acceptance).min(0.06);
         let config = tuning::Config {
             acceptance,

@@ -51,6 +51,22 @@ fn placed(bytes: Vec<u8>, folders: &[(String, &str)]) -> Vec<u8> {
     })
 }
 
+/// Sums of files, those of a store or of a numbered series as one: `masks/left_1.png` and `masks/left_2.png` are `masks/*`.
+fn grouped(of_files: &BTreeMap<String, u64>) -> BTreeMap<String, String> {
+    let mut texts: BTreeMap<String, (String, u64)> = BTreeMap::new();
+    for (place, own) in of_files {
+        let is_number = |part: &str| part.split('.').next().is_some_and(|stem| stem.ends_with(|c: char| c.is_ascii_digit()));
+        let parts: Vec<&str> = place.split('/').collect();
+        let store = parts.iter().position(|part| part.ends_with(".zarr"));
+        let named = store.or(parts.iter().rposition(|part| !is_number(part))).map_or(0, |last| last + 1);
+        let series = if named < parts.len() { format!("{}/*", parts[..named].join("/")) } else { place.clone() };
+        let group = texts.entry(series).or_default();
+        *group = (format!("{}{place} {own:016x}\n", group.0), *own);
+    }
+    let one = |(text, own): (String, u64)| if text.lines().count() == 1 { own } else { sum(text.as_bytes()) };
+    texts.into_iter().map(|(series, group)| (series, format!("{:016x}", one(group)))).collect()
+}
+
 /// All files below a path, or the file that it is.
 fn files_below(path: &Path, found: &mut Vec<PathBuf>) -> Outcome<()> {
     if path.is_file() {
@@ -101,11 +117,12 @@ fn found(program: &Program, data: &Path, only: Option<&str>) -> Outcome<BTreeMap
                 files_below(&path, &mut files)?;
             }
         }
+        let mut of_files = BTreeMap::new();
         for file in files.iter().filter(|file| !file.ends_with(TIMES)) {
             let bytes = placed(fs::read(file)?, &folders);
-            let place = shown(file.strip_prefix(folder)?);
-            sums.insert(format!("{name}\t{place}"), format!("{:016x}", sum(&bytes)));
+            of_files.insert(shown(file.strip_prefix(folder)?), sum(&bytes));
         }
+        sums.extend(grouped(&of_files).into_iter().map(|(place, sum)| (format!("{name}\t{place}"), sum)));
     }
     Ok(sums)
 }
@@ -152,5 +169,7 @@ mod tests {
         let folders = [("/a/b".to_owned(), "OUT")];
         assert_eq!(placed(b"x /a/b/c /a/b".to_vec(), &folders), b"x OUT/c OUT");
         assert_eq!(sum(b"a"), 0xaf63_dc4c_8601_ec8c);
+        let files = ["a/c/0_1.png", "a/c/0_2.png", "a/b.csv", "a/d.zarr/e/zarr.json"].map(|file| (file.to_owned(), 1)).into();
+        assert_eq!(grouped(&files).into_keys().collect::<Vec<_>>(), ["a/b.csv", "a/c/*", "a/d.zarr/*"]);
     }
 }
