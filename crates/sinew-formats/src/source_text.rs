@@ -66,14 +66,16 @@ pub(crate) fn truncated_in_line(name: &str, text: &str, inside: &'static str, li
     Error::Truncated { place: Place::file(name), inside, offset: text.len(), line: Some(line) }
 }
 
-/// The error of a text that breaks a grammar in a line, counted from 1, behind that many characters of it.
+/// The error of a text that breaks a grammar in a line, counted from 1, behind that many characters of it, or behind the
+/// lines before where nothing is left.
 pub(crate) fn malformed(name: &str, text: &str, [line, before]: [usize; 2], expected: &str) -> Error {
-    let mut lines = text.lines().skip(line.saturating_sub(1));
-    let found: String = lines.next().unwrap_or_default().chars().skip(before).collect();
-    if found.trim().is_empty() && lines.all(|line| line.trim().is_empty()) {
-        return truncated(name, text, "a value");
-    }
-    Place::file(name).at_line(line).syntax(format!("`{}`", shortened(found.trim())), expected)
+    let here: String = text.lines().nth(line.saturating_sub(1)).unwrap_or_default().chars().skip(before).collect();
+    let earlier = || text.lines().enumerate().take(line).filter(|(_, text)| !text.trim().is_empty()).last();
+    let (line, found) = match here.trim() {
+        "" => earlier().map_or((line, ""), |(index, text)| (index + 1, text.trim())),
+        here => (line, here),
+    };
+    Place::file(name).at_line(line).syntax(format!("`{}`", shortened(found)), expected)
 }
 
 /// Lines with their numbers from 1, without line ends.

@@ -138,12 +138,23 @@ mod tests {
     #[test]
     fn faults_are_placed() {
         let check = |text: &str, message: &str| assert_eq!(parse("a.yml", text).unwrap_err().to_string(), message);
-        check("a: [ 1,\n2", "a.yml: ends inside an array at byte 9 (line 2)");
-        check("a: \"x", "a.yml: ends inside a string at byte 5 (line 1)");
-        check("a: 1\n   b: 2\n", "a.yml:2: `b: 2`; expected a line as far to the right as those before");
-        check("a: 1\nb\n", "a.yml:2: `b`; expected `name: value`");
+        let valid = |message: &str| format!("expected valid YAML ({message})");
+        check("a: [ 1,\n2", &format!("a.yml:2: `2`; {}", valid("invalid indentation in flow construct")));
+        check(
+            "a: \"x",
+            &format!("a.yml:1: `\"x`; {}", valid("while scanning a quoted scalar, found unexpected end of stream")),
+        );
+        check(
+            "a: 1\n   b: 2\n",
+            &format!("a.yml:2: `: 2`; {}", valid("mapping values are not allowed in this context")),
+        );
+        check("a: 1\nb\n", &format!("a.yml:2: `b`; {}", valid("simple key expect ':'")));
         check("a: 1\na: 2\n", "a.yml:2: the key `a` is there twice");
-        check("a: [ 1 ] 2\n", "a.yml:1: `2`; expected the end of the line");
+        check(
+            "a: [ 1 ] 2\n",
+            &format!("a.yml:1: `2`; {}", valid("while parsing a block mapping, did not find expected key")),
+        );
+        check("a: &b 1\nc: *b\n", "a.yml:2: an alias in YAML is not supported");
         check(&format!("a: {}", "[".repeat(200)), "a.yml:1: nested more than 100 deep");
     }
 }
