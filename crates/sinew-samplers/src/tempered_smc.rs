@@ -173,7 +173,7 @@ pub fn sample<O: GradLogDensity + ?Sized, P: FramePrior>(
     let draw = |block: usize, states: &mut [Block]| {
         prior.sample_block(block, states, &mut to_draw.block(block as u32));
     };
-    let mut population = Population::draw(prior.dim(), particles, draw)?;
+    let mut population = Population::from_blocks(prior.dim(), particles, draw)?;
     let mut values = population.log_densities(observed);
     let mut sample = Sample { likelihoods: particles, ..Sample::default() };
     let (mut beta, mut weights) = (0.0, Vec::new());
