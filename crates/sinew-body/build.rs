@@ -3,6 +3,9 @@
 #[path = "src/error.rs"]
 #[allow(dead_code, reason = "the script uses a part of the crate")]
 mod error;
+#[path = "src/rotation.rs"]
+#[allow(dead_code, reason = "as above")]
+mod rotation;
 #[path = "src/standard.rs"]
 #[allow(dead_code, reason = "as above")]
 mod standard;

@@ -14,21 +14,22 @@ use sinew::input::source::FrameSource;
 use sinew::methods::{BootstrapMethod, HmcMethod, Method};
 use sinew::observe::Detection;
 use sinew::observe::association::Person;
-use sinew::results::estimate::FrameEstimate;
-use sinew::results::problem::Problem;
 use sinew::setup::{Setup, SetupRequest, set_up};
 use sinew::track::Pipeline;
 use sinew::track::checkpoint::Checkpoint;
 use sinew::tracking::posterior::Posterior;
 use sinew::tracking::{bootstrap, hmc_filter};
-use sinew::{RecordingError, formats::Layout, observe::Camera};
+use sinew::{formats::Layout, observe::Camera};
+use sinew_input::Error as InputError;
 use sinew_latent::file as latent_file;
 use sinew_latent::model::RootPrior;
 use sinew_latent::motion::{LatentMotion, StepNoise};
 use sinew_latent::space::Below;
+use sinew_report::Error;
+use sinew_report::inspect::{Subject, file_facts};
+use sinew_results::estimate::FrameEstimate;
+use sinew_results::problem::Problem;
 use sinew_simulate::recording::{Script, SyntheticRecording};
-use sinew_tools::Error;
-use sinew_tools::inspect::{Subject, file_facts};
 use std::cell::RefCell;
 use std::fs;
 use std::ops::Range;
@@ -185,7 +186,7 @@ static SCENE: LazyLock<(InMemory, Setup)> = LazyLock::new(|| {
     let SyntheticRecording { cameras, layout, keypoints, .. } =
         SyntheticRecording::new(&script, 3).expect("a recording");
     let mut recording = InMemory { cameras, layout, keypoints };
-    let frames: Vec<_> = (0..12).map(|number| Ok::<_, RecordingError>((number, recording.people(number)?))).collect();
+    let frames: Vec<_> = (0..12).map(|number| Ok::<_, sinew::Error>((number, recording.people(number)?))).collect();
     let found = set_up(&recording.cameras, &recording.layout, &SetupRequest::default(), frames);
     let (mut setup, _) = found.expect("a set-up");
     (setup.step_size, setup.leapfrog_steps) = (Some(0.4), Some(3));
@@ -208,7 +209,7 @@ impl FrameSource for Changed<'_> {
     fn frames(&self) -> Range<u64> {
         0..1
     }
-    fn people(&mut self, _: u64) -> Result<Vec<Vec<Person>>, RecordingError> {
+    fn people(&mut self, _: u64) -> Result<Vec<Vec<Person>>, InputError> {
         Ok(self.people.clone())
     }
 }

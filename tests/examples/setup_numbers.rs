@@ -5,7 +5,7 @@
 
 use sinew::input::frame::detections;
 use sinew::input::recording::{Recording, RecordingOptions};
-use sinew::observe::offsets;
+use sinew::observe::cameras::offsets;
 use sinew::setup::{self, SetupRequest};
 use std::path::Path;
 

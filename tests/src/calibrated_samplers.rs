@@ -14,7 +14,7 @@ use sinew::samplers::metric::Metric;
 use sinew::samplers::particles::{self, Particles};
 use sinew::samplers::population::Population;
 use sinew::samplers::resample::multinomial;
-use sinew::samplers::tempered_smc::{self, sample};
+use sinew::samplers::tempered_smc::{self, temper};
 use sinew::tracking::Tracker;
 use sinew::tracking::annealed::{self, Annealed};
 use sinew_invariance::{RankCalibration, Ranks, Report, calibration};
@@ -58,7 +58,14 @@ pub fn hmc(seed: u64, size: Size) -> (Report, Ranks) {
         prior.sample_block(0, &mut starts, &mut to_start.block(0));
         let (burn_in, thin) = (60, 8);
         let updates = burn_in + n.div_ceil(LANES) * thin;
-        let draws = chains::draw(&target, &hmc, &starts, LANES, Schedule { updates, burn_in: burn_in + 1 }, &to_run);
+        let draws = chains::draw_trajectories(
+            &target,
+            &hmc,
+            &starts,
+            LANES,
+            Schedule { updates, burn_in: burn_in + 1 },
+            &to_run,
+        );
         let states = draws.expect("starts of finite density").states;
         let state = |step: usize, lane: usize| states[step * d..][..d].iter().map(|b| b.0[lane]).collect::<Vec<f64>>();
         (0..n).map(|i| state(i / LANES * thin + thin - 1, i % LANES)).collect()
@@ -79,7 +86,7 @@ pub fn tempered(seed: u64, size: Size) -> (Report, Ranks) {
         let [to_find, to_run] = stage(rng).split(["mode", "run"]);
         let metric = Metric::Dense(laplace(&likelihood, &prior, 32, Isa::best(), to_find).expect("a mode").metric);
         let config = tempered_smc::Config { particles: 4 * n, updates: 8, ..tempered_smc::Config::default() };
-        let sample = sample(&likelihood, &prior, &metric, &config, Isa::best(), to_run).expect("a posterior");
+        let sample = temper(&likelihood, &prior, &metric, &config, Isa::best(), to_run).expect("a posterior");
         let last = &sample.draws[config.updates - 1];
         (0..n).map(|i| last.state(4 * i)).collect()
     };

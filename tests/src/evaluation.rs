@@ -38,13 +38,13 @@ use sinew::config::settings::Settings;
 use sinew::formats::Layout;
 use sinew::input::source::FrameSource;
 use sinew::observe::association::Person;
-use sinew::observe::{Camera, offsets};
-use sinew::results::SilhouetteOverlap;
-use sinew::results::estimate::FrameEstimate;
+use sinew::observe::{Camera, cameras::offsets};
 use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::{self, Doubt, Pipeline, Spool};
 use sinew::tracking::posterior::Posterior;
-use sinew_motion::points::points_of_states;
+use sinew_body::points::points_of_states;
+use sinew_results::estimate::FrameEstimate;
+use sinew_setup::silhouette_overlap::SilhouetteOverlap;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicU64, Ordering};
 

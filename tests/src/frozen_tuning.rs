@@ -5,7 +5,7 @@ use sinew::core::density::Lanes;
 use sinew::core::lanes::{Block, Isa, LANES};
 use sinew::core::random::Stage;
 use sinew::dynamics::gaussian::Gaussian;
-use sinew::samplers::chains::{Schedule, draw};
+use sinew::samplers::chains::{Schedule, draw_trajectories};
 use sinew::samplers::hmc::{Chains, Hmc, Workspace, update};
 use sinew::samplers::metric::Metric;
 use sinew::samplers::tuning::{self, StepSizeTrial};
@@ -35,7 +35,7 @@ pub fn tuned_acceptance(updates: usize, seed: u64) -> [Finding; 2] {
     let tuned = tuning::step_size(&mut trial, 10, &config, &to_tune).expect("tunable");
     let hmc = Hmc::with_metric(tuned.step_size, &metric, 10, 0.0, isa).expect("valid");
     let schedule = Schedule { updates, burn_in: 0 };
-    let draws = draw(&target, &hmc, &trial.states, 16, schedule, &to_move).expect("finite");
+    let draws = draw_trajectories(&target, &hmc, &trial.states, 16, schedule, &to_move).expect("finite");
     let frozen = hmc.clone();
     let mut different = 0;
     let series: Vec<Vec<Vec<f64>>> = (0..28).map(|j| draws.series(j)).collect();

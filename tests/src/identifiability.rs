@@ -7,7 +7,7 @@ use crate::simulated_source::{set_up, source};
 use sinew::body::Proportions;
 use sinew::body::point_derivatives::{Neighbours, PointDerivatives, length_names, lengths};
 use sinew::observe::Camera;
-use sinew::observe::lasting_errors::LastingErrors;
+use sinew::observe::lasting::lasting_errors::LastingErrors;
 use sinew::setup::{MeasuredErrors, Setup, SetupRequest};
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::detector::DetectorNoise;

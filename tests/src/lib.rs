@@ -6,6 +6,7 @@ pub mod calibrated_samplers;
 pub mod camera_draws;
 pub mod camera_point;
 pub mod checks;
+pub mod combo;
 pub mod data;
 pub mod depth_flip;
 pub mod drawn_rig;

@@ -9,13 +9,12 @@ use crate::finding::Finding;
 use crate::linear_series::rows;
 use crate::stored::{number, numbers, stored};
 use serde_json::Value;
-use sinew::core::convergence::{bulk_ess, rank_r_hat};
 use sinew::core::density::{GradLogDensity, LogDensity};
-use sinew::core::diagnostics::{effective_sample_size, split_r_hat};
+use sinew::core::diagnostics::{bulk_ess, effective_sample_size, rank_r_hat, split_r_hat};
 use sinew::core::lanes::{Block, Isa, LANES};
 use sinew::core::random::Stage;
 use sinew::samplers::Error;
-use sinew::samplers::chains::{ChainDraws, Schedule, draw};
+use sinew::samplers::chains::{ChainDraws, Schedule, draw_trajectories};
 use sinew::samplers::hmc::Hmc;
 use sinew::samplers::nuts::{self, Nuts};
 use sinew::samplers::starts::uniform_starts;
@@ -189,7 +188,7 @@ pub fn sampled(
             states
         }
     };
-    let WarmedUp { metric, states, step_size } =
+    let WarmedUp { metric, states, step_size, .. } =
         warm_up(posterior, &starts, CHAINS, &warm_up::Config::default(), isa, &to_warm)?;
     // Trajectories of one length near half a period turn means about and leave spreads where they are; lengths that scatter by half mix both.
     let jitter = if sampler == Sampler::Hmc { 0.5 } else { 0.2 };
@@ -203,12 +202,12 @@ pub fn sampled(
         Sampler::Hmc => {
             let tuned = tuning::cheapest(&mut trial, &config, &[posterior.acceptance], &to_tune)?;
             let hmc = Hmc::with_metric(tuned.step_size, &metric, tuned.leapfrog_steps, jitter, isa)?;
-            draw(posterior, &hmc, &trial.states, CHAINS, schedule, &to_draw)
+            draw_trajectories(posterior, &hmc, &trial.states, CHAINS, schedule, &to_draw)
         }
         Sampler::Nuts => {
             let tuned = tuning::no_u_turn(&mut trial, &config, 10, &[posterior.acceptance], &to_tune)?;
             let nuts = Nuts::with_metric(tuned.step_size, &metric, 10, jitter, isa)?;
-            Ok(nuts::draw(posterior, &nuts, &trial.states, CHAINS, schedule, &to_draw)?.draws)
+            Ok(nuts::draw_trees(posterior, &nuts, &trial.states, CHAINS, schedule, &to_draw)?.draws)
         }
     }
 }

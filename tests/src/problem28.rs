@@ -13,7 +13,7 @@ use sinew::core::combinators::Sum;
 use sinew::core::density::Lanes;
 use sinew::core::lanes::Isa;
 use sinew::dynamics::mixture::Mixture;
-use sinew::observe::marker_views::{MarkerView, MarkerViewsLikelihood, MarkerViewsModel};
+use sinew::observe::keypoints::marker_views::{MarkerView, MarkerViewsLikelihood, MarkerViewsModel};
 use sinew::observe::{MarkerLikelihood, MarkerModel, ObservationModel};
 use std::sync::Arc;
 
@@ -126,25 +126,20 @@ pub fn load() -> Problem {
     let links = file
         .bodies
         .into_iter()
-        .map(|body| Link {
-            name: body.name,
-            parent: usize::try_from(body.parent).ok(),
-            offset: body.offset,
-            joints: body
-                .joints
-                .into_iter()
-                .map(|joint| {
-                    let axis = match joint.axis {
-                        FileAxis::X => Axis::X,
-                        FileAxis::Y => Axis::Y,
-                        FileAxis::Z => Axis::Z,
-                    };
-                    match joint.kind {
-                        FileKind::Trans => Joint::Translate(axis),
-                        FileKind::Rot => Joint::Rotate(axis),
-                    }
-                })
-                .collect(),
+        .map(|body| {
+            let joint = |joint: FileJoint| {
+                let axis = match joint.axis {
+                    FileAxis::X => Axis::X,
+                    FileAxis::Y => Axis::Y,
+                    FileAxis::Z => Axis::Z,
+                };
+                match joint.kind {
+                    FileKind::Trans => Joint::Translate(axis),
+                    FileKind::Rot => Joint::Rotate(axis),
+                }
+            };
+            let joints = body.joints.into_iter().map(joint).collect();
+            Link::new(body.name, usize::try_from(body.parent).ok(), body.offset, joints)
         })
         .collect();
     let points = file.markers.into_iter().map(|m| Point { name: m.name, link: m.body, offset: m.offset }).collect();

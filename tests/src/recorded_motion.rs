@@ -1,9 +1,9 @@
 //! Recorded motion from ASF and AMC files, as points at a rate.
 
 use sinew::formats::{amc, asf};
+use sinew_body::points::Trajectories;
 use sinew_motion::cmu::{RATE_HZ, joints};
-use sinew_motion::points::Trajectories;
-use sinew_simulate::combo::{Sequence, Trial, combo};
+use crate::combo::{Sequence, Trial, combo};
 use std::error::Error;
 use std::fs;
 use std::path::Path;

@@ -11,11 +11,11 @@ use sinew::core::lanes::{Block, Isa, LANES};
 use sinew::core::random::{BlockRng, Stage};
 use sinew::core::toy::Quadratic;
 use sinew::core::transition::{MotionModel, Transition};
-use sinew::samplers::chains::{Schedule, draw};
+use sinew::samplers::chains::{Schedule, draw_trajectories};
 use sinew::samplers::curvature::curvature;
 use sinew::samplers::hmc::Hmc;
 use sinew::samplers::metric::{Dense, Metric};
-use sinew::samplers::tempered_smc::{Config, sample};
+use sinew::samplers::tempered_smc::{Config, temper};
 use sinew::tracking::Tracker;
 use sinew::tracking::bootstrap::{self, Bootstrap};
 
@@ -29,7 +29,7 @@ pub fn tempered_depth_flip(arm: &Arm, particles: usize, runs: usize, seed: u64) 
         let [to_average, to_sample] = root.round(r).split(["curvature", "sample"]);
         let metric = Metric::Diagonal(curvature(&arm.sight, &prior, 64, to_average));
         let config = Config { particles, updates: 4, step_size: 0.6, leapfrog_steps: 6, ..Config::default() };
-        let run = sample(&arm.sight, &prior, &metric, &config, Isa::best(), to_sample).expect("runs");
+        let run = temper(&arm.sight, &prior, &metric, &config, Isa::best(), to_sample).expect("runs");
         off.push(run.log_evidence - arm.log_evidence);
         let mut masses = [0.0; 8];
         let share = 1.0 / (run.draws.len() * particles) as f64;
@@ -182,7 +182,8 @@ pub fn camera_point_chains(point: &CameraPoint, updates: usize, seed: u64) -> Ve
         }
     }
     let schedule = Schedule { updates, burn_in: 50 };
-    let draws = draw(&target, &hmc, &starts, 2 * LANES, schedule, &Stage::new(seed, "camera point")).expect("finite");
+    let draws = draw_trajectories(&target, &hmc, &starts, 2 * LANES, schedule, &Stage::new(seed, "camera point"))
+        .expect("finite");
     let mut findings: Vec<Finding> = vec![];
     let mut check = |name: String, values: Vec<Vec<f64>>, exact: f64| {
         let n = values.iter().map(Vec::len).sum::<usize>() as f64;

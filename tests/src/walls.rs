@@ -5,7 +5,7 @@ use crate::kernels::{eight, to_block};
 use sinew::core::density::{GradLogDensity, LogDensity};
 use sinew::core::lanes::{Isa, LANES};
 use sinew::core::random::{BlockRng, Stage};
-use sinew::samplers::chains::{Schedule, draw};
+use sinew::samplers::chains::{Schedule, draw_trajectories};
 use sinew::samplers::hmc::Hmc;
 use sinew::samplers::metric::Metric;
 use sinew::samplers::nuts::{self, Nuts};
@@ -65,8 +65,8 @@ pub fn walls(blocks: usize, updates: usize, seed: u64) -> Vec<Finding> {
     let schedule = Schedule { updates, burn_in: 1 };
     let hmc = Hmc::with_metric(0.5, &metric, 3, 0.2, isa).expect("valid");
     let nuts = Nuts::with_metric(0.5, &metric, 10, 0.2, isa).expect("valid");
-    let moved = draw(&Walled, &hmc, &starts, blocks * LANES, schedule, &to_move).expect("finite");
-    let grown = nuts::draw(&Walled, &nuts, &starts, blocks * LANES, schedule, &to_grow).expect("finite").draws;
+    let moved = draw_trajectories(&Walled, &hmc, &starts, blocks * LANES, schedule, &to_move).expect("finite");
+    let grown = nuts::draw_trees(&Walled, &nuts, &starts, blocks * LANES, schedule, &to_grow).expect("finite").draws;
     let mut findings = vec![];
     for (name, draws) in [("hmc", moved), ("nuts", grown)] {
         let series = draws.series(0);

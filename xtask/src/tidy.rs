@@ -4,41 +4,31 @@
 
 mod cycles;
 mod dependencies;
-mod exceptions;
 mod layers;
 mod leftovers;
 mod links;
 mod modules;
 mod names;
-mod opening;
 mod pages;
 mod placement;
 mod purity;
-mod sizes;
-mod tokens;
-mod words;
 mod workspace;
 
-use exceptions::Exception;
 use std::path::Path;
 use std::process::ExitCode;
 use workspace::{Rule, Violation, read};
 
-/// Rules by name, each with what is excepted from it for now.
-const RULES: [(&str, Rule, &[Exception]); 13] = [
-    ("layers", layers::check, &[]),
-    ("purity", purity::check, &[]),
-    ("leftovers", leftovers::check, &[]),
-    ("placement", placement::check, &[]),
-    ("module docs", placement::check_docs, &[]),
-    ("cycles", cycles::check, &[]),
-    ("files", sizes::check_files, exceptions::LARGE_FILES),
-    ("functions", sizes::check_functions, &[]),
-    ("crates", sizes::check_crates, exceptions::LARGE_CRATES),
-    ("names", names::check, &[]),
-    ("pages", pages::check, &[]),
-    ("openings", opening::check, &[]),
-    ("words", words::check, exceptions::ODD_WORDS),
+/// Rules by name.
+const RULES: [(&str, Rule); 9] = [
+    ("layers", layers::check),
+    ("purity", purity::check),
+    ("leftovers", leftovers::check),
+    ("placement", placement::check),
+    ("module docs", placement::check_docs),
+    ("cycles", cycles::check),
+    ("names", names::check),
+    ("dependencies", dependencies::check),
+    ("pages", pages::check),
 ];
 
 /// Checks all rules and prints what does not hold.
@@ -50,30 +40,18 @@ pub fn run(root: &Path) -> ExitCode {
             return ExitCode::from(5);
         }
     };
-    let mut count = 0;
-    let mut report = |rule: &str, violations: Vec<Violation>| {
-        count += violations.len();
-        for Violation { path, line, what, .. } in violations {
-            let line = line.map(|line| format!(":{line}")).unwrap_or_default();
-            eprintln!("{path}{line}: {what} [{rule}]");
-        }
-    };
-    for (rule, check, excepted) in RULES {
-        report(rule, exceptions::apply(excepted, check(&workspace)));
+    let mut found: Vec<(&str, Violation)> = Vec::new();
+    for (rule, check) in RULES {
+        found.extend(check(&workspace).into_iter().map(|violation| (rule, violation)));
     }
-    match links::check(root) {
-        Ok(violations) => report("links", violations),
-        Err(error) => report("links", vec![Violation::in_file("docs", error.to_string())]),
+    let links = links::check(root).unwrap_or_else(|error| vec![Violation::in_file("docs", error.to_string())]);
+    found.extend(links.into_iter().map(|violation| ("links", violation)));
+    for (rule, Violation { path, line, what }) in &found {
+        let line = line.map(|line| format!(":{line}")).unwrap_or_default();
+        eprintln!("{path}{line}: {what} [{rule}]");
     }
-    match dependencies::library_packages(root) {
-        Ok(packages) => {
-            println!("the library builds {} packages", packages.len());
-            report("dependencies", dependencies::check(packages.len()));
-        }
-        Err(what) => report("dependencies", vec![Violation::in_file("Cargo.lock", what)]),
-    }
-    println!("tidy: {} files, {count} violations", workspace.files.len());
-    ExitCode::from(u8::from(count > 0))
+    println!("tidy: {} files, {} violations", workspace.files.len(), found.len());
+    ExitCode::from(u8::from(!found.is_empty()))
 }
 
 #[cfg(test)]

@@ -324,12 +324,7 @@ mod tests {
 
     #[test]
     fn other_bodies_keep_their_names() {
-        let link = Link {
-            name: "arm".into(),
-            parent: None,
-            offset: [0.0; 3],
-            joints: vec![RIGHT_AXIS, Joint::Translate(Axis::Z)],
-        };
+        let link = Link::new("arm", None, [0.0; 3], vec![RIGHT_AXIS, Joint::Translate(Axis::Z)]);
         let body = KinematicTree::new(vec![link], vec![]).unwrap();
         for convention in [Convention::OpenSim, Convention::Isb] {
             assert_eq!(names(&body, convention), ["arm_rx", "arm_tz"]);

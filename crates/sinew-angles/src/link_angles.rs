@@ -2,6 +2,7 @@
 
 use crate::decomposition::{AngleSequence, Matrix, near, turned};
 use sinew_body::Axis;
+use sinew_body::rotation::product;
 
 /// One or three columns of `angles.mot`.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,7 +49,13 @@ const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 impl LinkAngles {
     /// The rotation in a state.
     fn rotation(&self, state: &[f64]) -> Matrix {
-        self.turns.iter().fold(IDENTITY, |m, turn| turned(m, turn.axis.index(), turn.sign * state[turn.dof]))
+        self.turns.iter().fold(IDENTITY, |m, turn| {
+            let angle = turn.sign * state[turn.dof];
+            match turn.axis.index() {
+                Some(axis) => turned(m, axis, angle),
+                None => product(&m, &turn.axis.rotation(angle)),
+            }
+        })
     }
 
     /// The three angles without their signs, those nearest to the ones before where there are such.

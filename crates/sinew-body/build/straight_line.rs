@@ -117,6 +117,10 @@ fn function(name: &str, tree: &KinematicTree, gradient: bool) -> String {
         tree.joints().skip(turning).all(|(_, joint)| matches!(joint, Joint::Rotate(_))),
         "{name}: rotations follow one another"
     );
+    assert!(
+        tree.links().iter().all(|link| link.rest.is_none() && link.joints.iter().all(|j| j.axis().index().is_some())),
+        "{name}: axes are coordinate axes of the world in the zero pose"
+    );
     let mut place = vec![0; tree.points().len()];
     let mut next = 0;
     for link in 0..tree.links().len() {
@@ -174,23 +178,24 @@ impl Writer<'_> {
         let mut frame = Frame { columns: parent.columns.clone(), origin };
         let mut axes = vec![];
         for (j, joint) in (tree.first_dof(index)..).zip(&link.joints) {
+            let index = joint.axis().index().unwrap_or_default();
             match joint {
-                Joint::Translate(axis) => {
-                    let axis = frame.columns[axis.index()].clone();
+                Joint::Translate(_) => {
+                    let axis = frame.columns[index].clone();
                     let x = self.variable(&format!("V::load(&q[{j}])"));
                     frame.origin = self.each(|w, k| w.sum(&[(&x, &axis[k])], &frame.origin[k]));
                     axes.push(axis);
                 }
-                Joint::Rotate(axis) => {
+                Joint::Rotate(_) => {
                     let turn = j - self.turning;
                     let sin = self.variable(&format!("V::load(&turns[{turn}][0])"));
                     let cos = self.variable(&format!("V::load(&turns[{turn}][1])"));
-                    let (a, b) = ((axis.index() + 1) % 3, (axis.index() + 2) % 3);
+                    let (a, b) = ((index + 1) % 3, (index + 2) % 3);
                     let (from, to) = (frame.columns[a].clone(), frame.columns[b].clone());
                     frame.columns[a] = self.each(|w, k| w.sum(&[(&cos, &from[k]), (&sin, &to[k])], &Zero));
                     let back = negative(&sin);
                     frame.columns[b] = self.each(|w, k| w.sum(&[(&cos, &to[k]), (&back, &from[k])], &Zero));
-                    axes.push(frame.columns[axis.index()].clone());
+                    axes.push(frame.columns[index].clone());
                 }
             }
         }

@@ -264,7 +264,7 @@ mod tests {
     #[test]
     fn angles_are_brought_within_half_a_turn_and_places_are_left() {
         let joints = vec![Joint::Translate(Axis::X), Joint::Rotate(Axis::Z), Joint::Rotate(Axis::X)];
-        let link = Link { name: "only".into(), parent: None, offset: [0.0; 3], joints };
+        let link = Link::new("only", None, [0.0; 3], joints);
         let tree = KinematicTree::new(vec![link], vec![]).expect("valid");
         let turn = std::f64::consts::TAU;
         let found = within_half_a_turn(&tree, &[9.0, 0.5, -1.0 - 2.0 * turn], &[-9.0, 3.0 * turn, 1.0]);

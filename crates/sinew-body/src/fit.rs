@@ -1,10 +1,10 @@
-//! Pose from points: nonlinear least squares on the joint angles by Levenberg–Marquardt.
+//! Pose from points and orientations: nonlinear least squares on the joint angles by Levenberg–Marquardt.
 //!
 //! ```text
-//! min_q  Σ_k v_k ρ(|J_k − P_k(q)|) + λ |q − q_previous|²
+//! min_q  Σ_k v_k ρ(|J_k − P_k(q)|) + Σ_b w_b 4 sin²(θ_b(q)/2) + λ |q − q_previous|²
 //! ```
 //!
-//! over the points k that were measured, with ρ the square or, beyond [`Config::huber_m`], Huber's continuation of it. Each step solves
+//! over the points k and the links b that were measured, with θ_b the angle between the orientation of a link and the measured one, and ρ the square or, beyond [`Config::huber_m`], Huber's continuation of it. Each step solves
 //! `(JᵀVJ + λ + μ diag) δ = JᵀV r − λ (q − q_previous)`; μ falls after a success and rises after a failure (Marquardt 1963; Nielsen's rule is not needed here).
 //! The starting pose comes from [`initial_pose`](crate::initial::initial_pose) or from the frame before.
 //!
@@ -27,6 +27,8 @@
 //! ```
 
 use crate::kinematics::{Plan, point_jacobian, point_positions};
+use crate::rotation::{Matrix, is_rotation};
+use crate::tree::KinematicTree;
 use nalgebra::{DMatrix, DVector};
 use sinew_core::lanes::Isa;
 
@@ -36,6 +38,17 @@ pub struct Target {
     /// World position, metres.
     pub position: [f64; 3],
     /// Weight v of its squared distance.
+    pub weight: f64,
+}
+
+/// How a link was measured to be turned, by an inertial sensor for example.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Orientation {
+    /// Index of the link.
+    pub link: usize,
+    /// Its rotation, world from link.
+    pub rotation: Matrix,
+    /// Weight w of its squared angle, m²/rad² beside points of weight 1.
     pub weight: f64,
 }
 
@@ -65,6 +78,8 @@ pub struct Fit {
     pub pose: Vec<f64>,
     /// Root of the weighted mean squared distance over the measured points, metres; NaN without any.
     pub rms_m: f64,
+    /// Root of the weighted mean squared angle over the measured orientations, radians, where there are any.
+    pub rms_rad: Option<f64>,
     /// Steps taken.
     pub steps: usize,
     /// Whether the last step was below the tolerance.
@@ -77,23 +92,86 @@ const ISA: Isa = Isa::baseline();
 const FIRST_MU: f64 = 1e-3;
 const LARGEST_MU: f64 = 1e12;
 
+/// What pulls a point, or the step to it from another, towards a target.
+struct Pull {
+    point: usize,
+    from: Option<usize>,
+    target: [f64; 3],
+    weight: f64,
+    huber_m: f64,
+}
+
 /// Fits the pose to the measured points (one entry per point of the plan; `None` and non-finite ones do not count), starting from and damped towards `previous`.
 ///
 /// Entries beyond the plan's points and degrees of freedom are ignored; a short `previous` counts as zeros.
 #[must_use]
 pub fn fit_pose(plan: &Plan, targets: &[Option<Target>], previous: &[f64], config: &Config) -> Fit {
+    fit(plan, &pulls(targets, plan.points(), config), previous, config)
+}
+
+/// [`fit_pose`] with orientations of links besides; those of links that the body lacks, or that are no rotations, do not count.
+///
+/// ```
+/// use sinew_body::fit::{Config, Orientation, fit_oriented};
+/// use sinew_body::{Proportions, rotation, standard::h32};
+///
+/// let body = h32(&Proportions::default());
+/// let shin = body.link_index("r_shin").ok_or("no shin")?;
+/// let bent = Orientation { link: shin, rotation: rotation::about([1.0, 0.0, 0.0], -0.5), weight: 1.0 };
+/// let found = fit_oriented(&body, &[], &[bent], &vec![0.0; body.dof()], &Config::default());
+/// assert!(found.rms_rad.is_some_and(|angle| angle < 1e-3));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[must_use]
+pub fn fit_oriented(
+    tree: &KinematicTree,
+    targets: &[Option<Target>],
+    orientations: &[Orientation],
+    previous: &[f64],
+    config: &Config,
+) -> Fit {
+    let is_usable = |o: &&Orientation| {
+        o.weight > 0.0 && o.weight.is_finite() && o.link < tree.links().len() && is_rotation(&o.rotation)
+    };
+    let usable: Vec<&Orientation> = orientations.iter().filter(is_usable).collect();
+    let plan = Plan::with_all_points(&tree.with_frames_shown(usable.iter().map(|o| o.link)));
+    let mut pulls = pulls(targets, tree.points().len(), config);
+    for (k, Orientation { rotation, weight, .. }) in usable.iter().enumerate() {
+        let origin = tree.points().len() + 4 * k;
+        // |R − R'|² = 8 sin²(θ/2), a third of it an axis.
+        pulls.extend((0..3).map(|axis| Pull {
+            point: origin + 1 + axis,
+            from: Some(origin),
+            target: rotation.map(|row| row[axis]),
+            weight: 0.5 * weight,
+            huber_m: f64::INFINITY,
+        }));
+    }
+    let found = fit(&plan, &pulls, previous, config);
+    let frames = tree.link_frames(&found.pose);
+    let total: f64 = usable.iter().map(|o| o.weight).sum();
+    let squares = usable.iter().map(|o| o.weight * angle_between(&frames[o.link].0, &o.rotation).powi(2)).sum::<f64>();
+    Fit { rms_rad: (total > 0.0).then(|| (squares / total).sqrt()), ..found }
+}
+
+/// Angle of the rotation between two, radians.
+fn angle_between(a: &Matrix, b: &Matrix) -> f64 {
+    let squares: f64 = a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| (a - b).powi(2)).sum();
+    2.0 * (squares / 8.0).sqrt().min(1.0).asin()
+}
+
+fn fit(plan: &Plan, pulls: &[Pull], previous: &[f64], config: &Config) -> Fit {
     let dof = plan.dof();
     let mut previous = previous.to_vec();
     previous.resize(dof, 0.0);
-    let targets: Vec<(usize, Target)> = measured(targets).filter(|(k, _)| *k < plan.points()).collect();
     let n = 3 * plan.points();
     let (mut positions, mut jacobian) = (vec![0.0; n], vec![0.0; n * dof]);
     let mut pose = previous.clone();
     point_jacobian(plan, ISA, &pose, &mut positions, &mut jacobian);
-    let mut cost = total(&targets, &positions, &pose, &previous, config);
+    let mut cost = total(pulls, &positions, &pose, &previous, config);
     let mut mu = FIRST_MU;
     let (mut steps, mut converged) = (0, false);
-    let (mut normal, mut gradient) = equations(&targets, &positions, &jacobian, &pose, &previous, config);
+    let (mut normal, mut gradient) = equations(pulls, &positions, &jacobian, &pose, &previous, config);
     while steps < config.steps && mu < LARGEST_MU {
         steps += 1;
         let mut damped = normal.clone();
@@ -105,7 +183,7 @@ pub fn fit_pose(plan: &Plan, targets: &[Option<Target>], previous: &[f64], confi
         let Some(step) = damped.cholesky().map(|c| c.solve(&gradient)) else { break };
         let next: Vec<f64> = pose.iter().zip(step.iter()).map(|(q, d)| q + d).collect();
         point_positions(plan, ISA, &next, &mut positions);
-        let next_cost = total(&targets, &positions, &next, &previous, config);
+        let next_cost = total(pulls, &positions, &next, &previous, config);
         if next_cost.is_nan() || next_cost > cost {
             mu *= 4.0;
             continue;
@@ -118,11 +196,20 @@ pub fn fit_pose(plan: &Plan, targets: &[Option<Target>], previous: &[f64], confi
             break;
         }
         point_jacobian(plan, ISA, &pose, &mut positions, &mut jacobian);
-        (normal, gradient) = equations(&targets, &positions, &jacobian, &pose, &previous, config);
+        (normal, gradient) = equations(pulls, &positions, &jacobian, &pose, &previous, config);
     }
     converged |= mu >= LARGEST_MU;
     point_positions(plan, ISA, &pose, &mut positions);
-    Fit { rms_m: rms(&targets, &positions), pose, steps, converged }
+    Fit { rms_m: rms(pulls, &positions), rms_rad: None, pose, steps, converged }
+}
+
+/// What the measured points among the first `count` pull.
+fn pulls(targets: &[Option<Target>], count: usize, config: &Config) -> Vec<Pull> {
+    let pull = |(point, target): (usize, Target)| {
+        let Target { position, weight } = target;
+        Pull { point, from: None, target: position, weight, huber_m: config.huber_m }
+    };
+    measured(targets).filter(|(k, _)| *k < count).map(pull).collect()
 }
 
 /// The measured points with their indices.
@@ -131,24 +218,36 @@ pub(crate) fn measured(targets: &[Option<Target>]) -> impl Iterator<Item = (usiz
     targets.iter().enumerate().filter_map(move |(k, t)| t.filter(usable).map(|t| (k, t)))
 }
 
-fn distance(positions: &[f64], k: usize, target: &Target) -> f64 {
-    (0..3).map(|a| (target.position[a] - positions[3 * k + a]).powi(2)).sum::<f64>().sqrt()
+impl Pull {
+    /// Target minus position, component a.
+    fn residual(&self, positions: &[f64], a: usize) -> f64 {
+        self.target[a] - self.of(positions, |point| 3 * point + a)
+    }
+
+    /// A quantity of the point, or its difference to that of the other.
+    fn of(&self, values: &[f64], place: impl Fn(usize) -> usize) -> f64 {
+        let value = values[place(self.point)];
+        self.from.map_or(value, |from| value - values[place(from)])
+    }
+
+    fn distance(&self, positions: &[f64]) -> f64 {
+        (0..3).map(|a| self.residual(positions, a).powi(2)).sum::<f64>().sqrt()
+    }
 }
 
-fn total(targets: &[(usize, Target)], positions: &[f64], pose: &[f64], previous: &[f64], config: &Config) -> f64 {
-    let points: f64 = targets
+fn total(pulls: &[Pull], positions: &[f64], pose: &[f64], previous: &[f64], config: &Config) -> f64 {
+    let points: f64 = pulls
         .iter()
-        .map(|(k, target)| {
-            let d = distance(positions, *k, target);
-            let h = config.huber_m;
-            target.weight * if d <= h { d * d } else { h * (2.0 * d - h) }
+        .map(|pull| {
+            let (d, h) = (pull.distance(positions), pull.huber_m);
+            pull.weight * if d <= h { d * d } else { h * (2.0 * d - h) }
         })
         .sum();
     points + config.damping * pose.iter().zip(previous).map(|(a, b)| (a - b).powi(2)).sum::<f64>()
 }
 
 fn equations(
-    targets: &[(usize, Target)],
+    pulls: &[Pull],
     positions: &[f64],
     jacobian: &[f64],
     pose: &[f64],
@@ -156,17 +255,16 @@ fn equations(
     config: &Config,
 ) -> (DMatrix<f64>, DVector<f64>) {
     let dof = pose.len();
-    let mut rows = DMatrix::zeros(dof, 3 * targets.len());
-    let mut residual = DVector::zeros(3 * targets.len());
-    for (i, (k, target)) in targets.iter().enumerate() {
-        let share = (config.huber_m / distance(positions, *k, target)).min(1.0);
-        let root = (target.weight * share).sqrt();
+    let mut rows = DMatrix::zeros(dof, 3 * pulls.len());
+    let mut residual = DVector::zeros(3 * pulls.len());
+    for (i, pull) in pulls.iter().enumerate() {
+        let share = (pull.huber_m / pull.distance(positions)).min(1.0);
+        let root = (pull.weight * share).sqrt();
         for a in 0..3 {
-            let row = (3 * k + a) * dof;
             for j in 0..dof {
-                rows[(j, 3 * i + a)] = root * jacobian[row + j];
+                rows[(j, 3 * i + a)] = root * pull.of(jacobian, |point| (3 * point + a) * dof + j);
             }
-            residual[3 * i + a] = root * (target.position[a] - positions[3 * k + a]);
+            residual[3 * i + a] = root * pull.residual(positions, a);
         }
     }
     let mut normal = &rows * rows.transpose();
@@ -178,9 +276,10 @@ fn equations(
     (normal, gradient)
 }
 
-fn rms(targets: &[(usize, Target)], positions: &[f64]) -> f64 {
-    let weight: f64 = targets.iter().map(|(_, t)| t.weight).sum();
-    (targets.iter().map(|(k, t)| t.weight * distance(positions, *k, t).powi(2)).sum::<f64>() / weight).sqrt()
+fn rms(pulls: &[Pull], positions: &[f64]) -> f64 {
+    let of_points = || pulls.iter().filter(|pull| pull.from.is_none());
+    let weight: f64 = of_points().map(|pull| pull.weight).sum();
+    (of_points().map(|pull| pull.weight * pull.distance(positions).powi(2)).sum::<f64>() / weight).sqrt()
 }
 
 #[cfg(test)]
@@ -188,7 +287,6 @@ mod tests {
     use super::*;
     use crate::initial::initial_pose;
     use crate::standard::{Proportions, cf28, h32};
-    use crate::tree::KinematicTree;
 
     fn targets(plan: &Plan, q: &[f64]) -> Vec<Option<Target>> {
         let mut p = vec![0.0; 3 * plan.points()];
@@ -225,7 +323,7 @@ mod tests {
     fn a_sliding_body_is_fitted_in_closed_form() {
         use crate::tree::{Axis, Joint, Link, Point};
         let joints = vec![Joint::Translate(Axis::X), Joint::Translate(Axis::Z)];
-        let root = Link { name: "root".into(), parent: None, offset: [0.0; 3], joints };
+        let root = Link::new("root", None, [0.0; 3], joints);
         let offsets = [[0.0; 3], [1.0, 0.0, 0.5], [0.0, 2.0, -1.0]];
         let point = |(k, &offset): (usize, &[f64; 3])| Point { name: format!("{k}"), link: 0, offset };
         let tree = KinematicTree::new(vec![root], offsets.iter().enumerate().map(point).collect()).unwrap();
@@ -262,9 +360,9 @@ mod tests {
     #[test]
     fn the_objective_is_squares_up_to_the_bound_and_lines_beyond() {
         let target = |x: f64, weight: f64| Target { position: [x, 0.0, 0.0], weight };
-        let targets = [(0, target(0.3, 2.0)), (1, target(-2.0, 3.0))];
         let config = Config { damping: 0.25, huber_m: 0.5, ..Config::default() };
-        let found = total(&targets, &[0.0; 6], &[1.0, 2.0], &[1.0, -1.0], &config);
+        let pulls = pulls(&[Some(target(0.3, 2.0)), Some(target(-2.0, 3.0))], 2, &config);
+        let found = total(&pulls, &[0.0; 6], &[1.0, 2.0], &[1.0, -1.0], &config);
         let expected = 2.0 * 0.09 + 3.0 * 0.5 * (2.0 * 2.0 - 0.5) + 0.25 * 9.0;
         assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
     }
@@ -304,6 +402,36 @@ mod tests {
             assert!(slope.abs() < 1e-6, "{}: {slope}", tree.dof_names()[j]);
         }
         assert!(found.converged, "{} steps", found.steps);
+    }
+
+    /// Two measured orientations of one hinge: the minimum is the direction of their weighted sum.
+    #[test]
+    fn a_hinge_between_two_orientations_is_fitted_in_closed_form() {
+        use crate::rotation::about;
+        use crate::tree::{Axis, Joint, Link};
+        let axis = [0.6, 0.0, 0.8];
+        let hinge = Link::new("hinge", None, [0.0; 3], vec![Joint::Rotate(Axis::along(axis).unwrap())]);
+        let tree = KinematicTree::new(vec![hinge], vec![]).unwrap();
+        let measured = [(0.3, 1.0), (1.1, 3.0)];
+        let orientations = measured.map(|(angle, weight)| Orientation { link: 0, rotation: about(axis, angle), weight });
+        let config = Config { damping: 0.0, ..Config::default() };
+        let found = fit_oriented(&tree, &[], &orientations, &[0.0], &config);
+        let sum = |of: fn(f64) -> f64| measured.iter().map(|(angle, weight)| weight * of(*angle)).sum::<f64>();
+        let expected = sum(f64::sin).atan2(sum(f64::cos));
+        assert!((found.pose[0] - expected).abs() < 1e-9, "{} for {expected}", found.pose[0]);
+        let squares = measured.iter().map(|(angle, weight)| weight * (angle - expected).powi(2)).sum::<f64>();
+        assert!((found.rms_rad.unwrap() - (squares / 4.0).sqrt()).abs() < 1e-9);
+        // What is no rotation, of no link or without weight does not count.
+        let [first, _] = orientations;
+        for odd in [
+            Orientation { link: 1, ..first },
+            Orientation { rotation: [[f64::NAN; 3]; 3], ..first },
+            Orientation { rotation: [[1.0; 3]; 3], ..first },
+            Orientation { weight: f64::NAN, ..first },
+        ] {
+            let without = fit_oriented(&tree, &[], &[odd], &[0.2], &config);
+            assert_eq!((without.pose, without.rms_rad), (vec![0.2], None));
+        }
     }
 
     /// K15, from every heading.

@@ -22,9 +22,9 @@ pub fn half_turns(tree: &KinematicTree) -> Vec<[usize; 4]> {
     let links = tree.links();
     let limb = |lower: usize| {
         let [x, y, _] = links[lower].offset;
-        let upper = links[lower].parent.filter(|&upper| links[upper].joints == UPPER)?;
+        let upper = links[lower].parent.filter(|&upper| links[upper].plain_joints() == Some(&UPPER[..]))?;
         let first = tree.first_dof(upper);
-        let is_hinge = links[lower].joints == HINGE && [x, y] == [0.0; 2];
+        let is_hinge = links[lower].plain_joints() == Some(&HINGE[..]) && [x, y] == [0.0; 2];
         is_hinge.then(|| [first, first + 1, first + 2, tree.first_dof(lower)])
     };
     (0..links.len()).filter_map(limb).collect()

@@ -86,11 +86,8 @@ pub const HIERARCHY: [LatentSpace; 10] = [
 #[must_use]
 pub fn sized(p: &Proportions) -> KinematicTree {
     use Axis::{X, Y, Z};
-    let link = |name: &str, parent: Option<usize>, offset: [f64; 3], axes: &[Axis]| Link {
-        name: name.into(),
-        parent,
-        offset,
-        joints: axes.iter().map(|&axis| Joint::Rotate(axis)).collect(),
+    let link = |name: &str, parent: Option<usize>, offset: [f64; 3], axes: &[Axis]| {
+        Link::new(name, parent, offset, axes.iter().map(|&axis| Joint::Rotate(axis)).collect())
     };
     let mut torso = link("torso", None, [0.0; 3], &[Z, Y, X]);
     torso.joints.splice(0..0, [X, Y, Z].map(Joint::Translate));

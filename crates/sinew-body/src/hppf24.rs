@@ -86,11 +86,8 @@ pub fn sized(p: &Proportions) -> KinematicTree {
 fn skeleton(lengths: &Lengths) -> KinematicTree {
     use Axis::{X, Y, Z};
     let Lengths { hip, shoulder, torso, neck, head, upper_arm, forearm, thigh, shin } = *lengths;
-    let link = |name: &str, parent: Option<usize>, offset: [f64; 3], axes: &[Axis]| Link {
-        name: name.into(),
-        parent,
-        offset,
-        joints: axes.iter().map(|&a| Joint::Rotate(a)).collect(),
+    let link = |name: &str, parent: Option<usize>, offset: [f64; 3], axes: &[Axis]| {
+        Link::new(name, parent, offset, axes.iter().map(|&axis| Joint::Rotate(axis)).collect())
     };
     let mut pelvis = link("pelvis", None, [0.0; 3], &[Z]);
     pelvis.joints.splice(0..0, [X, Y, Z].map(Joint::Translate));

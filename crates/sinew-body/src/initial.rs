@@ -28,7 +28,7 @@ pub fn initial_pose(tree: &KinematicTree, targets: &[Option<Target>]) -> Option<
     let free = [Joint::Translate(X), Joint::Translate(Y), Joint::Translate(Z)];
     let turning = [Joint::Rotate(Z), Joint::Rotate(Y), Joint::Rotate(X)];
     let root = tree.links().first()?;
-    if root.joints != [free, turning].concat() || targets.len() > tree.points().len() {
+    if root.plain_joints() != Some(&[free, turning].concat()[..]) || targets.len() > tree.points().len() {
         return None;
     }
     let mut rest = vec![0.0; 3 * tree.points().len()];
@@ -45,7 +45,7 @@ pub fn initial_pose(tree: &KinematicTree, targets: &[Option<Target>]) -> Option<
         let children: Vec<usize> = (0..tree.links().len()).filter(|&c| tree.links()[c].parent == Some(index)).collect();
         let [child] = children[..] else { continue };
         let hinge = &tree.links()[child];
-        if link.joints != turning || hinge.joints != [Joint::Rotate(X)] {
+        if link.plain_joints() != Some(&turning[..]) || hinge.plain_joints() != Some(&[Joint::Rotate(X)][..]) {
             continue;
         }
         let at = |link: usize, offset: Option<[f64; 3]>| {
@@ -56,7 +56,7 @@ pub fn initial_pose(tree: &KinematicTree, targets: &[Option<Target>]) -> Option<
             all.iter().find(|(k, _)| on(*k)).map(|(_, t)| Vector3::from(t.position))
         };
         let (Some(middle), Some(end)) = (at(index, Some(hinge.offset)), at(child, None)) else { continue };
-        let zero = zero_origin(tree, index);
+        let Some(zero) = zero_origin(tree, index) else { continue };
         let origin = at(link.parent?, Some(link.offset)).unwrap_or_else(|| rotation * zero + translation);
         // Legs hang from below the root's origin, arms from above it.
         let bends_forward = zero[2] > 0.0;
@@ -69,15 +69,17 @@ pub fn initial_pose(tree: &KinematicTree, targets: &[Option<Target>]) -> Option<
     Some(pose)
 }
 
-/// Origin of a link at the zero pose.
-fn zero_origin(tree: &KinematicTree, link: usize) -> Vector3<f64> {
+/// Origin of a link at the zero pose; `None` where a rest rotation stands above it.
+fn zero_origin(tree: &KinematicTree, link: usize) -> Option<Vector3<f64>> {
     let mut origin = Vector3::zeros();
     let mut at = Some(link);
     while let Some(index) = at {
-        origin += Vector3::from(tree.links()[index].offset);
-        at = tree.links()[index].parent;
+        let link = &tree.links()[index];
+        link.plain_joints()?;
+        origin += Vector3::from(link.offset);
+        at = link.parent;
     }
-    origin
+    Some(origin)
 }
 
 /// World rotation of the upper part of a limb with the given directions of its two parts, and the bend of its hinge, radians, positive the natural way.

@@ -90,12 +90,7 @@ mod tests {
     #[test]
     fn rotations_act_left_to_right_as_listed() {
         let half_turn = std::f64::consts::FRAC_PI_2;
-        let link = Link {
-            name: "root".into(),
-            parent: None,
-            offset: [0.0; 3],
-            joints: [Axis::Z, Axis::Y, Axis::X].map(Joint::Rotate).to_vec(),
-        };
+        let link = Link::new("root", None, [0.0; 3], [Axis::Z, Axis::Y, Axis::X].map(Joint::Rotate).to_vec());
         let points = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
             .iter()
             .enumerate()
@@ -119,7 +114,7 @@ mod tests {
     fn a_link_may_translate_after_it_has_rotated() {
         let joints = vec![Joint::Rotate(Axis::Z), Joint::Translate(Axis::X), Joint::Rotate(Axis::Z)];
         let tree = KinematicTree::new(
-            vec![Link { name: "a".into(), parent: None, offset: [0.0; 3], joints }],
+            vec![Link::new("a", None, [0.0; 3], joints)],
             vec![Point { name: "p".into(), link: 0, offset: [1.0, 0.0, 0.0] }],
         )
         .expect("valid");

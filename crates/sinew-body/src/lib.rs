@@ -15,6 +15,7 @@
 //! let head = body.point_index("Head").unwrap();
 //! assert!((points[3 * head + 2] - 1.75).abs() < 1e-12);
 //! ```
+pub mod bones;
 pub mod bundle;
 mod error;
 pub mod fit;
@@ -31,6 +32,8 @@ pub mod motion_ranges;
 #[cfg(test)]
 mod placed;
 pub mod point_derivatives;
+pub mod points;
+pub mod rotation;
 mod sizes;
 pub mod standard;
 pub mod standard_flesh;
@@ -43,5 +46,6 @@ pub use kinematics::{
     Plan, point_jacobian, point_jacobian_each, point_positions, point_positions_block, point_positions_each,
     point_positions_into,
 };
+pub use sinew_core::lanes::Isa;
 pub use standard::Proportions;
 pub use tree::{Axis, Joint, KinematicTree, Link, Point};

@@ -7,17 +7,16 @@
 //! ```
 
 use crate::kinematics::{Plan, point_jacobian};
+use crate::rotation::{Matrix, apply};
 use crate::sizes::SIZES;
 use crate::standard::Proportions;
-use crate::tree::{Axis, Joint, KinematicTree, Link};
+use crate::tree::{KinematicTree, Link};
 use sinew_core::lanes::Isa;
 
 const ISA: Isa = Isa::baseline();
 
 /// Difference to a longer body, metres.
 const DIFFERENCE_M: f64 = 1e-3;
-
-type Matrix = [[f64; 3]; 3];
 
 /// How the offset of a link or a point grows with a length.
 #[derive(Clone, Debug)]
@@ -85,20 +84,6 @@ fn growths<'a>(offset: [f64; 3], longer: impl Iterator<Item = &'a [f64; 3]>) -> 
         by.iter().any(|x| *x != 0.0).then_some(Growth { length, by })
     };
     longer.enumerate().filter_map(growth).collect()
-}
-
-fn turned(rotation: &Matrix, v: [f64; 3]) -> [f64; 3] {
-    rotation.map(|row| row[0] * v[0] + row[1] * v[1] + row[2] * v[2])
-}
-
-/// R · R_axis(q).
-fn rotated(mut rotation: Matrix, axis: Axis, angle: f64) -> Matrix {
-    let (sin, cos) = angle.sin_cos();
-    let (b, c) = [(1, 2), (2, 0), (0, 1)][axis.index()];
-    for row in &mut rotation {
-        (row[b], row[c]) = (cos * row[b] + sin * row[c], cos * row[c] - sin * row[b]);
-    }
-    rotation
 }
 
 impl Neighbours {
@@ -171,18 +156,7 @@ impl Neighbours {
 
     /// Rotation of each link, world from link.
     fn rotations(&self, pose: &[f64]) -> Vec<Matrix> {
-        let mut rotations: Vec<Matrix> = Vec::with_capacity(self.tree.links().len());
-        for (index, link) in self.tree.links().iter().enumerate() {
-            let mut rotation =
-                link.parent.map_or([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], |parent| rotations[parent]);
-            for (joint, angle) in link.joints.iter().zip(&pose[self.tree.first_dof(index)..]) {
-                if let Joint::Rotate(axis) = joint {
-                    rotation = rotated(rotation, *axis, *angle);
-                }
-            }
-            rotations.push(rotation);
-        }
-        rotations
+        self.tree.link_frames(pose).into_iter().map(|(rotation, _)| rotation).collect()
     }
 
     fn lengthening(&self, rotations: &[Matrix]) -> Vec<f64> {
@@ -190,7 +164,7 @@ impl Neighbours {
         let mut origins = vec![[0.0; 3]; self.tree.links().len() * count];
         let add = |to: &mut [[f64; 3]], rotation: &Matrix, growths: &[Growth]| {
             for Growth { length, by } in growths {
-                to[*length].iter_mut().zip(turned(rotation, *by)).for_each(|(x, by)| *x += by);
+                to[*length].iter_mut().zip(apply(rotation, *by)).for_each(|(x, by)| *x += by);
             }
         };
         for (index, link) in self.tree.links().iter().enumerate() {

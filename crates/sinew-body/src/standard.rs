@@ -82,7 +82,7 @@ impl Default for Proportions {
 pub const STANDING_HEIGHT_M: f64 = 1.02;
 
 fn link(name: &str, parent: Option<usize>, offset: [f64; 3], rotations: &[Axis]) -> Link {
-    Link { name: name.into(), parent, offset, joints: rotations.iter().map(|&a| Joint::Rotate(a)).collect() }
+    Link::new(name, parent, offset, rotations.iter().map(|&a| Joint::Rotate(a)).collect())
 }
 
 fn point(name: &str, link: usize, offset: [f64; 3]) -> Point {

@@ -13,6 +13,7 @@
 
 pub use crate::sizes::{SIZES, Size, scaled};
 use crate::standard::Proportions;
+use sinew_core::estimators::median;
 
 /// Sizes with what is known about them.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,16 +24,6 @@ pub struct Measured {
     pub unmeasured: Vec<&'static str>,
     /// Mean ratio of the measured lengths to the default body's.
     pub scale: f64,
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.retain(|x| x.is_finite());
-    values.sort_by(f64::total_cmp);
-    match values.len() {
-        0 => None,
-        n if n % 2 == 1 => Some(values[n / 2]),
-        n => Some(0.5 * (values[n / 2 - 1] + values[n / 2])),
-    }
 }
 
 /// Measured points by name, frame after frame.
@@ -66,7 +57,9 @@ impl Points<'_> {
 
     /// Median over the frames that have a value.
     fn typical(&self, value: impl Fn(&[Option<[f64; 3]>]) -> Option<f64>) -> Option<f64> {
-        median(self.frames.iter().filter_map(|frame| value(frame)).collect())
+        let mut values: Vec<f64> = self.frames.iter().filter_map(|frame| value(frame)).collect();
+        values.retain(|x| x.is_finite());
+        (!values.is_empty()).then(|| median(&mut values))
     }
 
     fn length(&self, a: &str, b: &str) -> Option<f64> {

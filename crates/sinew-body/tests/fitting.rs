@@ -1,7 +1,7 @@
 //! Laws of fitting: a body is recovered from its own points, whatever its pose and size.
 
 use proptest::prelude::*;
-use sinew_body::fit::{Config, Target, fit_pose};
+use sinew_body::fit::{Config, Orientation, Target, fit_oriented, fit_pose};
 use sinew_body::initial::initial_pose;
 use sinew_body::standard::{cf28, h32};
 use sinew_body::{KinematicTree, Plan, Proportions, bundle, point_positions};
@@ -55,6 +55,26 @@ proptest! {
     #[test]
     fn fitting_recovers_the_points_of_h32(q in pose(&h32(&Proportions::default()))) {
         check(&h32(&Proportions::default()), &q)?;
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+
+    /// Orientations of all links and the place of one point give the pose back, from the upright one at its heading.
+    #[test]
+    fn orientations_of_links_and_one_point_give_the_pose(q in pose(&h32(&Proportions::default()))) {
+        let tree = h32(&Proportions::default());
+        let orientations: Vec<Orientation> = (0..).zip(tree.link_frames(&q))
+            .map(|(link, (rotation, _))| Orientation { link, rotation, weight: 0.1 })
+            .collect();
+        let hip = tree.point_index("MidHip").expect("a point");
+        let seen: Vec<_> = (0..).zip(targets(&tree, &q)).map(|(k, t)| t.filter(|_| k == hip)).collect();
+        let mut start = vec![0.0; tree.dof()];
+        start[3] = q[3];
+        let found = fit_oriented(&tree, &seen, &orientations, &start, &Config { damping: 0.0, ..Config::default() });
+        let angle = found.rms_rad.expect("orientations");
+        prop_assert!(angle < 1e-6 && found.rms_m < 1e-6, "{angle} rad, {} m, {} steps", found.rms_m, found.steps);
     }
 }
 

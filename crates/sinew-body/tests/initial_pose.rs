@@ -167,7 +167,7 @@ fn too_little_gives_no_pose() {
     let mut more = all.clone();
     more.push(all[0]);
     assert_eq!(initial_pose(&tree, &more), None);
-    let fixed = Link { name: "root".into(), parent: None, offset: [0.0; 3], joints: vec![Joint::Translate(Axis::X)] };
+    let fixed = Link::new("root", None, [0.0; 3], vec![Joint::Translate(Axis::X)]);
     let point = |k: usize| Point { name: format!("{k}"), link: 0, offset: [k as f64, (k * k) as f64, 0.0] };
     let slider = KinematicTree::new(vec![fixed], (0..4).map(point).collect()).unwrap();
     assert_eq!(initial_pose(&slider, &targets(&slider, &[0.5])), None);

@@ -9,8 +9,23 @@ use sinew_body::{
 use sinew_core::lanes::triangle;
 use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, get_lane, set_lane};
 
+fn direction() -> impl Strategy<Value = [f64; 3]> {
+    let unit = |[turn, height]: [f64; 2]| {
+        let away = (1.0 - height * height).sqrt();
+        [away * turn.cos(), away * turn.sin(), height]
+    };
+    [-3.1..3.1, -0.99..0.99].prop_map(unit)
+}
+
 fn axis() -> impl Strategy<Value = Axis> {
-    prop_oneof![Just(Axis::X), Just(Axis::Y), Just(Axis::Z)]
+    let free = direction().prop_map(|vector| Axis::along(vector).expect("a direction"));
+    prop_oneof![2 => Just(Axis::X), 2 => Just(Axis::Y), 2 => Just(Axis::Z), 1 => free]
+}
+
+/// A rest rotation, or none.
+fn rest() -> impl Strategy<Value = Option<M3>> {
+    let turned = (direction(), -3.0..3.0).prop_map(|(axis, angle)| about(axis, angle));
+    prop_oneof![3 => Just(None), 1 => turned.prop_map(Some)]
 }
 
 fn joint() -> impl Strategy<Value = Joint> {
@@ -24,14 +39,15 @@ fn offset() -> impl Strategy<Value = [f64; 3]> {
 
 /// A tree of 1 to 6 links with up to four joints each and two points a link, and two poses.
 fn tree_and_pose() -> impl Strategy<Value = (KinematicTree, Vec<f64>)> {
-    let link = (any::<prop::sample::Index>(), offset(), prop::collection::vec(joint(), 0..5), offset(), offset());
+    let joints = prop::collection::vec(joint(), 0..5);
+    let link = (any::<prop::sample::Index>(), offset(), rest(), joints, offset(), offset());
     prop::collection::vec(link, 1..7)
         .prop_map(|described| {
             let mut links = vec![];
             let mut points = vec![];
-            for (i, (parent, offset, joints, a, b)) in described.into_iter().enumerate() {
+            for (i, (parent, offset, rest, joints, a, b)) in described.into_iter().enumerate() {
                 let parent = (i > 0).then(|| parent.index(i));
-                links.push(Link { name: format!("link{i}"), parent, offset, joints });
+                links.push(Link { rest, ..Link::new(format!("link{i}"), parent, offset, joints) });
                 points.push(Point { name: format!("a{i}"), link: i, offset: a });
                 points.push(Point { name: format!("b{i}"), link: i, offset: b });
             }
@@ -49,14 +65,20 @@ fn applied(m: &M3, x: [f64; 3]) -> [f64; 3] {
     m.map(|row| row[0] * x[0] + row[1] * x[1] + row[2] * x[2])
 }
 
-/// `m · R_axis(q)`, active and right-handed.
-fn rotated(m: &M3, axis: Axis, q: f64) -> M3 {
-    let (s, c) = q.sin_cos();
-    let r = match axis {
-        Axis::X => [[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]],
-        Axis::Y => [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]],
-        Axis::Z => [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]],
-    };
+/// Active right-handed rotation, by the exponential series of the cross product with the axis.
+fn about([x, y, z]: [f64; 3], q: f64) -> M3 {
+    let cross = [[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]];
+    let (mut sum, mut term) = (UNTURNED, UNTURNED);
+    for k in 1..40 {
+        term = multiplied(&term, &cross).map(|row| row.map(|x| x * q / f64::from(k)));
+        sum = [0, 1, 2].map(|i: usize| [0, 1, 2].map(|j: usize| sum[i][j] + term[i][j]));
+    }
+    sum
+}
+
+const UNTURNED: M3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+fn multiplied(m: &M3, r: &M3) -> M3 {
     [0, 1, 2].map(|i: usize| [0, 1, 2].map(|j: usize| (0..3).map(|k| m[i][k] * r[k][j]).sum()))
 }
 
@@ -65,21 +87,18 @@ fn defined(tree: &KinematicTree, q: &[f64]) -> Vec<f64> {
     let mut frames: Vec<(M3, [f64; 3])> = vec![];
     let mut q = q.iter();
     for link in tree.links() {
-        let world = ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], [0.0; 3]);
+        let world = (UNTURNED, [0.0; 3]);
         let (mut rotation, origin) = link.parent.map_or(world, |parent| frames[parent]);
         let moved = |rotation: &M3, from: [f64; 3], by: [f64; 3]| {
             let by = applied(rotation, by);
             [from[0] + by[0], from[1] + by[1], from[2] + by[2]]
         };
         let mut origin = moved(&rotation, origin, link.offset);
+        rotation = link.rest.map_or(rotation, |rest| multiplied(&rotation, &rest));
         for (joint, &q) in link.joints.iter().zip(&mut q) {
             match *joint {
-                Joint::Rotate(axis) => rotation = rotated(&rotation, axis, q),
-                Joint::Translate(axis) => {
-                    let mut by = [0.0; 3];
-                    by[axis.index()] = q;
-                    origin = moved(&rotation, origin, by);
-                }
+                Joint::Rotate(axis) => rotation = multiplied(&rotation, &about(axis.direction(), q)),
+                Joint::Translate(axis) => origin = moved(&rotation, origin, axis.direction().map(|x| q * x)),
             }
         }
         frames.push((rotation, origin));

@@ -9,14 +9,14 @@ use super::table::aligned;
 use super::terminal::Terminal;
 use serde_json::json;
 use sinew::config::{Sources, resolve};
-use sinew::results::error::Occupied;
-use sinew_runs::batch::gather::gather;
-use sinew_runs::batch::plan::{StudyPlan, plan, write};
-use sinew_runs::batch::run::{ShardEnd, run as run_shard};
-use sinew_runs::batch::shard::Shard;
-use sinew_runs::batch::trial_table::Gathered;
-use sinew_runs::batch::{unpack, write_submit_files};
-use sinew_runs::threads::wanted;
+use sinew::run::threads::wanted;
+use sinew_batch::gather::gather;
+use sinew_batch::plan::{StudyPlan, plan, write};
+use sinew_batch::run::{ShardEnd, run as run_shard};
+use sinew_batch::shard::Shard;
+use sinew_batch::trial_table::Gathered;
+use sinew_batch::{unpack, write_submit_files};
+use sinew_results::Occupied;
 use std::path::{Path, PathBuf};
 
 /// Runs the command.
@@ -35,7 +35,7 @@ const NAMED: usize = 5;
 fn planned(args: &PlanArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     let study = general.out.as_ref().map(PathBuf::from).ok_or(Error::NoPlace(Written::Study))?;
     if study.join("plan.json").exists() && !general.force {
-        return Err(sinew::Error::OutputExists { path: study.join("plan.json"), found: Occupied::File }.into());
+        return Err(sinew_results::Error::OutputExists { path: study.join("plan.json"), found: Occupied::File }.into());
     }
     let tasks = plan(&args.trials, args.share)?;
     let root = std::path::absolute(&args.trials).map_err(sinew::Error::io("read", &args.trials))?;
@@ -140,7 +140,7 @@ fn gathered(args: &GatherArgs) -> Result<Ended, Error> {
 fn unpacked(args: &UnpackArgs, general: &General) -> Result<Ended, Error> {
     let out = general.out.as_ref().map(PathBuf::from).ok_or(Error::NoPlace(Written::Trial))?;
     if out.exists() && !general.force {
-        return Err(sinew::Error::OutputExists { path: out, found: Occupied::Results }.into());
+        return Err(sinew_results::Error::OutputExists { path: out, found: Occupied::Results }.into());
     }
     unpack(&args.study, &args.trial, Path::new(&out))?;
     report::answer(&format!("{}\n", out.display()))?;

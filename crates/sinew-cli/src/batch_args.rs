@@ -3,9 +3,9 @@
 use super::answer_args::Answer;
 use super::help_template::template;
 use clap::{Args, Subcommand};
-use sinew_runs::batch::gather::GroupBy;
-use sinew_runs::batch::plan::Share;
-use sinew_runs::batch::shard::Shard;
+use sinew_batch::gather::GroupBy;
+use sinew_batch::plan::Share;
+use sinew_batch::shard::Shard;
 use std::path::PathBuf;
 
 /// What is done with many trials.

@@ -7,12 +7,12 @@ use super::error::Error;
 use super::report::{self, Report};
 use super::table::{aligned, columns};
 use serde_json::json;
-use sinew::results::error::Occupied;
-use sinew::results::write_whole;
-use sinew_laboratory::compare::{
+use sinew_analysis::compare::{
     AlignedWorlds, Alignment, Comparison, ComparisonRequest, LEVELS, as_json, compare, comparison_files,
 };
-use sinew_tools::report::COMPARISON_NAMES;
+use sinew_results::COMPARISON_NAMES;
+use sinew_results::Occupied;
+use sinew_results::write_whole;
 use std::path::{Path, PathBuf};
 
 /// Runs the command.
@@ -22,12 +22,12 @@ pub(crate) fn run(args: &CompareArgs, general: &General, report: &Report) -> Res
     }
     let out = general.out.as_ref().map_or_else(|| args.results.clone(), PathBuf::from);
     if out.is_file() {
-        return Err(sinew::Error::OutputExists { path: out, found: Occupied::NotAFolder }.into());
+        return Err(sinew_results::Error::OutputExists { path: out, found: Occupied::NotAFolder }.into());
     }
     if let Some(path) = COMPARISON_NAMES.map(|name| out.join(name)).into_iter().find(|path| path.exists())
         && !general.force
     {
-        return Err(sinew::Error::OutputExists { path, found: Occupied::File }.into());
+        return Err(sinew_results::Error::OutputExists { path, found: Occupied::File }.into());
     }
     let parts = args.align.parts(args.scale);
     let request = ComparisonRequest { reference: args.reference.clone(), names: args.names.clone(), parts };
@@ -123,7 +123,7 @@ fn table(found: &Comparison) -> String {
     }
     let series = found.series.iter().map(|series| (series.name.as_str(), series.axis)).zip(&found.agreements);
     let all = found.all.iter().map(|(axis, agreement)| (("all", *axis), agreement));
-    let row = |((name, axis), agreement): ((&str, Option<&str>), &sinew_laboratory::compare::Agreement)| {
+    let row = |((name, axis), agreement): ((&str, Option<&str>), &sinew_analysis::compare::Agreement)| {
         let limits = &agreement.limits;
         let percent = |share: f64| if share.is_finite() { format!("{:.0}", 100.0 * share) } else { "–".to_owned() };
         let mut cells = vec![

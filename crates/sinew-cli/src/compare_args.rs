@@ -2,7 +2,7 @@
 
 use super::answer_args::Answer;
 use clap::{Args, ValueEnum};
-use sinew_laboratory::compare::PartsToAlign;
+use sinew_analysis::compare::PartsToAlign;
 use std::path::PathBuf;
 
 #[derive(Args, Debug)]

@@ -7,21 +7,21 @@ use super::ended::Ended;
 use super::error::Error;
 use super::report::{self, Report};
 use serde_json::json;
-use sinew::results::error::Occupied;
-use sinew::results::write_whole;
-use sinew_tools::motion::{self, ConvertedMotion, Format, rename_bones};
+use sinew_motion::convert::{self, ConvertedMotion, Format, rename_bones};
+use sinew_results::Occupied;
+use sinew_results::write_whole;
 
 /// Runs the command.
 pub(crate) fn run(args: &ConvertArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     if same_file(args) {
-        return Err(sinew_runs::Error::InputIsOutput(args.input.clone()).into());
+        return Err(sinew::Error::InputIsOutput(args.input.clone()).into());
     }
     if let Some(format) = convert_calibration::format(args) {
         check_free(args, general)?;
         convert_calibration::run(args, format, report)?;
         return Ok(Ended::Done);
     }
-    let format = Format::of(&args.output).map_err(sinew_tools::Error::from)?;
+    let format = Format::of(&args.output).map_err(sinew_motion::Error::from)?;
     if let Some(fps) = args.fps.filter(|fps| !(*fps > 0.0 && fps.is_finite())) {
         return Err(Error::NotPositive { flag: "fps", value: fps, help: "give frames per second, for example 120" });
     }
@@ -42,24 +42,24 @@ pub(crate) fn run(args: &ConvertArgs, general: &General, report: &Report) -> Res
 
 /// A C3D file with all that it holds.
 fn again(args: &ConvertArgs) -> Result<ConvertedMotion, Error> {
-    Ok(motion::rewritten_c3d(&args.input)?)
+    Ok(convert::rewritten_c3d(&args.input)?)
 }
 
 /// A motion in another format.
 fn converted(args: &ConvertArgs, format: Format) -> Result<ConvertedMotion, Error> {
-    let mut motion = motion::read(&args.input, args.skeleton.as_deref(), args.fps)?;
+    let mut motion = convert::read(&args.input, args.skeleton.as_deref(), args.fps)?;
     if let Some(bones) = args.bones {
-        rename_bones(&mut motion, bones.names()).map_err(sinew_tools::Error::from)?;
+        rename_bones(&mut motion, bones.names()).map_err(sinew_motion::Error::from)?;
     }
     let name = args.output.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let bytes = motion::write(&motion, format, &name).map_err(sinew_tools::Error::from)?;
+    let bytes = convert::write(&motion, format, &name).map_err(sinew_motion::Error::from)?;
     Ok(ConvertedMotion { bytes, frames: motion.frames(), rate_hz: motion.rate_hz, warnings: motion.warnings })
 }
 
 /// Refuses to replace a file without `--force`.
 fn check_free(args: &ConvertArgs, general: &General) -> Result<(), Error> {
     if args.output.exists() && !general.force {
-        return Err(sinew::Error::OutputExists { path: args.output.clone(), found: Occupied::File }.into());
+        return Err(sinew_results::Error::OutputExists { path: args.output.clone(), found: Occupied::File }.into());
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 use super::answer_args::Answer;
 use clap::{Args, ValueEnum};
 use sinew::formats::calibration::CalibrationFormat;
-use sinew_tools::motion::BoneNames;
+use sinew_motion::convert::BoneNames;
 use std::path::PathBuf;
 
 #[derive(Args, Debug)]

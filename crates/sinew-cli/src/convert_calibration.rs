@@ -8,8 +8,8 @@ use sinew::formats::calibration::{self, CalibrationFormat};
 use sinew::formats::caliscope_cameras;
 use sinew::input::recording::Calibrated;
 use sinew::observe::Camera;
-use sinew::results::write_whole;
-use sinew_tools::motion::MotionError;
+use sinew_motion::convert::MotionError;
+use sinew_results::write_whole;
 
 /// The format to write, if what is to be written is a calibration.
 pub(crate) fn format(args: &ConvertArgs) -> Option<CalibrationFormat> {
@@ -20,7 +20,7 @@ pub(crate) fn format(args: &ConvertArgs) -> Option<CalibrationFormat> {
 /// Converts.
 pub(crate) fn run(args: &ConvertArgs, format: CalibrationFormat, report: &Report) -> Result<(), Error> {
     if args.skeleton.is_some() {
-        return Err(sinew_tools::Error::from(MotionError::NeedlessSkeleton { path: args.input.clone() }).into());
+        return Err(sinew_motion::Error::from(MotionError::NeedlessSkeleton { path: args.input.clone() }).into());
     }
     if args.bones.is_some() {
         return Err(Error::BonesOfCalibration);
@@ -31,7 +31,7 @@ pub(crate) fn run(args: &ConvertArgs, format: CalibrationFormat, report: &Report
     let read = Calibrated::read(&args.input)?;
     report.warnings(&read.warnings);
     report.warnings(renamed(&read.cameras, format).as_slice());
-    let text = calibration::write(&read.cameras, format).map_err(sinew::RecordingError::from)?;
+    let text = calibration::write(&read.cameras, format).map_err(sinew_input::Error::from)?;
     write_whole(&args.output, text.as_bytes())?;
     let out = args.output.display();
     if args.answer.json {

@@ -18,13 +18,13 @@ use sinew::config::{Resolved, Sources, resolve};
 use sinew::core::random::Stage;
 use sinew::formats;
 use sinew::input::in_memory::InMemory;
-use sinew::results::LOCK_NAME;
+use sinew::run::claimed::claimed;
+use sinew::run::listener::{Listener as _, PassCounter};
+use sinew::run::threads::{wanted, with_threads};
 use sinew::track::job;
 use sinew::track::job::{Outcome, Watch};
-use sinew_runs::claimed::claimed;
-use sinew_runs::listener::{Listener as _, PassCounter};
-use sinew_runs::page;
-use sinew_runs::threads::{wanted, with_threads};
+use sinew_report::written_page;
+use sinew_results::LOCK_NAME;
 use sinew_simulate::adult;
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::detector::DetectorNoise;
@@ -67,11 +67,11 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
         let stop = terminal.stop();
         let mut at = |pass, done, total| counter.at(pass, done, total);
         let mut watch = Watch { progress: &mut at, stop: &stop };
-        job::track(&mut source, 0..frames, &resolved, claim, &mut watch, |_| (Vec::new(), BTreeMap::new()), None)
+        job::track(&mut source, 0..frames, &resolved, claim, &mut watch, None)
     })?;
     report.warnings(&outcome.summary.warnings);
-    let request = page::with_calibration(&config.out.join(CALIBRATION));
-    page::write(&config.out, &request, &config.out.join(page::PAGE), &terminal)?;
+    let request = written_page::with_calibration(&config.out.join(CALIBRATION));
+    written_page::write(&config.out, &request, &config.out.join(sinew_results::PAGE_NAME), &terminal)?;
     answer_of(&recording, &outcome, &config.out, answer)?;
     for failed in &outcome.summary.failed_diagnostics {
         report.failed(failed);
@@ -201,7 +201,7 @@ fn answer_of(recording: &SyntheticRecording, outcome: &Outcome, out: &Path, answ
     let next = format!(
         "\nNext, the same from files, and then from yours:\n  sinew track --calibration {shown}/Calib.toml --keypoints {shown}/keypoints --layout BODY_25B --fps {} -o sinew-out/demo-track\n\nA page that shows the result:\n  {}\n",
         recording.rate_hz,
-        page::opening(&out.join(page::PAGE))
+        written_page::opening(&out.join(sinew_results::PAGE_NAME))
     );
     debug_assert!(!out.join(LOCK_NAME).exists());
     report::answer(&(aligned(&rows) + &next))

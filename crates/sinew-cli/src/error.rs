@@ -3,12 +3,12 @@
 /// Everything that ends a command early.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
-    /// What a comparison or an export refuses.
+    /// What an analysis, a page or a picture refuses, and what ends a run early.
     #[error(transparent)]
-    Laboratory(#[from] sinew_laboratory::Error),
-    /// What ends a run early.
+    Report(#[from] sinew_report::Error),
+    /// What a study of many trials refuses.
     #[error(transparent)]
-    Runs(#[from] sinew_runs::Error),
+    Batch(#[from] sinew_batch::Error),
     /// A flag of other commands.
     #[error("`{flag}` has no use here; it belongs to {}", owners.join(", "))]
     ForeignFlag {
@@ -128,30 +128,16 @@ impl Written {
     }
 }
 
-impl From<sinew::Error> for Error {
-    fn from(error: sinew::Error) -> Self {
-        Self::Runs(error.into())
-    }
-}
-
-impl From<sinew_tools::Error> for Error {
-    fn from(error: sinew_tools::Error) -> Self {
-        Self::Runs(error.into())
-    }
-}
-
-impl From<sinew::RecordingError> for Error {
-    fn from(error: sinew::RecordingError) -> Self {
-        Self::Runs(error.into())
-    }
-}
+sinew_input::errors_from_below!(
+    Error::Report: sinew_analysis::Error, sinew_motion::Error, sinew::Error, sinew_results::Error, sinew_setup::Error, sinew_input::Error
+);
 
 impl Error {
     /// Code with which the program ends; the table is that of [`sinew::Error`].
     pub(crate) const fn exit_code(&self) -> u8 {
         match self {
-            Self::Laboratory(error) => error.exit_code(),
-            Self::Runs(error) => error.exit_code(),
+            Self::Report(error) => error.exit_code(),
+            Self::Batch(error) => error.exit_code(),
             Self::Demo(_) => 1,
             Self::Scene(_) => 3,
             _ => 2,
@@ -161,8 +147,8 @@ impl Error {
     /// What the user can do about it.
     pub(crate) fn help(&self) -> Option<String> {
         let words = match self {
-            Self::Laboratory(error) => return error.help(),
-            Self::Runs(error) => return error.help(),
+            Self::Report(error) => return error.help(),
+            Self::Batch(error) => return error.help(),
             Self::Scene(error) => return error.help(),
             Self::NoPlace(written) => {
                 return Some(format!("name one with `-o`, for example `-o {}`", written.example()));

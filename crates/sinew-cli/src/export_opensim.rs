@@ -7,9 +7,9 @@ use super::export_args::OpensimArgs;
 use super::report::{self, Report};
 use super::table::aligned;
 use serde_json::{Map, Value, json};
-use sinew::results::error::Occupied;
-use sinew::results::write_whole;
-use sinew_laboratory::opensim::{OPENSIM_NAMES, OpensimFiles, opensim_files};
+use sinew_analysis::opensim::{OPENSIM_NAMES, OpensimFiles, opensim_files};
+use sinew_results::Occupied;
+use sinew_results::write_whole;
 use std::path::{Path, PathBuf};
 
 /// Folder in the results where none is named.
@@ -19,12 +19,12 @@ const FOLDER: &str = "opensim";
 pub(crate) fn run(args: &OpensimArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     let out = general.out.as_ref().map_or_else(|| args.results.join(FOLDER), PathBuf::from);
     if out.is_file() {
-        return Err(sinew::Error::OutputExists { path: out, found: Occupied::NotAFolder }.into());
+        return Err(sinew_results::Error::OutputExists { path: out, found: Occupied::NotAFolder }.into());
     }
     if let Some(path) = OPENSIM_NAMES.map(|name| out.join(name)).into_iter().find(|path| path.exists())
         && !general.force
     {
-        return Err(sinew::Error::OutputExists { path, found: Occupied::File }.into());
+        return Err(sinew_results::Error::OutputExists { path, found: Occupied::File }.into());
     }
     let found = opensim_files(&args.results, args.model.as_deref())?;
     std::fs::create_dir_all(&out).map_err(sinew::Error::io("create", &out))?;

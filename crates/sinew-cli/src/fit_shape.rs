@@ -7,7 +7,7 @@ use super::progress::Progress;
 use super::report::{self, Report};
 use super::table::aligned;
 use serde_json::json;
-use sinew_tools::shape_fit::{PartScale, ShapeFitRequest, fit_shape};
+use sinew_analysis::shape_fit::{PartScale, ShapeFitRequest, fit_shape};
 use std::path::Path;
 
 /// Runs the command.

@@ -7,9 +7,10 @@ use super::gait_args::GaitArgs;
 use super::report::{self, Report};
 use super::table::aligned;
 use serde_json::{Map, Value, json};
-use sinew::results::error::Occupied;
-use sinew::results::write_whole;
-use sinew_tools::gait::{GAIT_NAMES, GaitAnalysis, PARAMETERS, ParameterSummary, gait, gait_files, summary};
+use sinew_analysis::gait::{GaitAnalysis, PARAMETERS, ParameterSummary, gait, gait_files, summary};
+use sinew_results::GAIT_NAMES;
+use sinew_results::Occupied;
+use sinew_results::write_whole;
 use std::path::{Path, PathBuf};
 
 /// Sides in the order of the answer.
@@ -19,12 +20,12 @@ const SIDES: [(&str, Option<usize>); 3] = [("left", Some(0)), ("right", Some(1))
 pub(crate) fn run(args: &GaitArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     let out = general.out.as_ref().map_or_else(|| args.results.clone(), PathBuf::from);
     if out.is_file() {
-        return Err(sinew::Error::OutputExists { path: out, found: Occupied::NotAFolder }.into());
+        return Err(sinew_results::Error::OutputExists { path: out, found: Occupied::NotAFolder }.into());
     }
     if let Some(path) = GAIT_NAMES.map(|name| out.join(name)).into_iter().find(|path| path.exists())
         && !general.force
     {
-        return Err(sinew::Error::OutputExists { path, found: Occupied::File }.into());
+        return Err(sinew_results::Error::OutputExists { path, found: Occupied::File }.into());
     }
     let found = gait(&args.results)?;
     let files = gait_files(&found, &name(&args.results))?;

@@ -10,12 +10,12 @@ use super::table::aligned;
 use serde_json::json;
 use sinew::config::track::DEFAULT_FPS;
 use sinew::input::recording::{Recording, RecordingOptions};
-use sinew::results::error::Occupied;
-use sinew::results::write_whole;
-use sinew_runs::settings::{reading, settings};
-use sinew_tools::inspect::{
+use sinew::run::settings::{reading, settings};
+use sinew_report::inspect::{
     Facts, Subject, file_facts, fit, latent_picture, model_picture, picture_of_actions, subjects,
 };
+use sinew_results::Occupied;
+use sinew_results::write_whole;
 use std::path::{Path, PathBuf};
 
 /// Runs the command.
@@ -70,12 +70,12 @@ fn draw(subjects: &[Subject], out: &Path, force: bool) -> Result<(), Error> {
     };
     let truth = subjects.iter().find_map(|subject| if let Subject::Motion(path) = subject { Some(path) } else { None });
     if out.exists() && !force {
-        return Err(sinew::Error::OutputExists { path: out.to_owned(), found: Occupied::File }.into());
+        return Err(sinew_results::Error::OutputExists { path: out.to_owned(), found: Occupied::File }.into());
     }
     let is_out =
         |path: &&PathBuf| out.canonicalize().is_ok_and(|out| path.canonicalize().is_ok_and(|path| path == out));
     if let Some(input) = [Some(path), truth].into_iter().flatten().find(is_out) {
-        return Err(sinew_runs::Error::InputIsOutput(input.clone()).into());
+        return Err(sinew::Error::InputIsOutput(input.clone()).into());
     }
     let picture = match drawn[0] {
         Subject::Actions(_) => picture_of_actions(path, truth.map(PathBuf::as_path))?,

@@ -10,8 +10,8 @@ use super::progress::Progress;
 use serde_json::json;
 use sinew::config::{Sources, TrackConfig, resolve};
 use sinew_motion::follow::NamedBody;
-use sinew_tools::learn::motion_files::{LearnPhase, MotionFiles};
-use sinew_tools::learn::sequences::FileFit;
+use sinew_motion::learn::motion_files::{LearnPhase, MotionFiles};
+use sinew_motion::learn::sequences::FileFit;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The place to write to, and the settings that every command has.

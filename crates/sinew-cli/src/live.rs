@@ -7,7 +7,7 @@ use super::report::Report;
 use super::table::table;
 use super::terminal::Terminal;
 use sinew::config::Resolved;
-use sinew_runs::live::{LiveRequest, Streams, track};
+use sinew::run::live::{LiveRequest, Streams, track};
 
 /// Runs the command. Standard output has the answers alone, so the table goes to standard error.
 pub(crate) fn run(

@@ -6,7 +6,7 @@ use super::error::{Error, Written};
 use super::progress::Progress;
 use super::report::{self, Report};
 use serde_json::json;
-use sinew_tools::overlay::{Ground, OverlayRequest, overlay};
+use sinew_report::overlay::{Ground, OverlayRequest, overlay};
 use std::path::Path;
 
 /// Runs the command.

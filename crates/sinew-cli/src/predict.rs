@@ -5,9 +5,9 @@ use super::ended::Ended;
 use super::error::{Error, Written};
 use super::report::{self, Report};
 use serde_json::json;
-use sinew::results::error::Occupied;
-use sinew::results::write_whole;
-use sinew_tools::predict::predict;
+use sinew::predict::predict;
+use sinew_results::Occupied;
+use sinew_results::write_whole;
 use std::path::Path;
 
 /// Runs the command.
@@ -17,7 +17,7 @@ pub(crate) fn run(args: &PredictArgs, general: &General, report: &Report) -> Res
     };
     let path = Path::new(out);
     if path.exists() && !general.force {
-        return Err(sinew::Error::OutputExists { path: path.to_owned(), found: Occupied::File }.into());
+        return Err(sinew_results::Error::OutputExists { path: path.to_owned(), found: Occupied::File }.into());
     }
     let prediction = predict(&args.results, &args.calibration, &args.camera)?;
     write_whole(path, prediction.to_csv().as_bytes())?;

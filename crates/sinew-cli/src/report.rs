@@ -101,6 +101,9 @@ pub(crate) fn answer_json(value: &serde_json::Value) -> Result<(), Error> {
 
 /// Whether the reader of our answer went away.
 pub(crate) fn is_closed_pipe(error: &Error) -> bool {
-    let file = if let Error::Runs(sinew_runs::Error::Library(error)) = error { error.file() } else { None };
+    let file = match error {
+        Error::Report(sinew_report::Error::Analysis(sinew_analysis::Error::Run(error))) => error.file(),
+        _ => None,
+    };
     file.is_some_and(|file| file.path.as_os_str() == STDOUT && file.source.kind() == io::ErrorKind::BrokenPipe)
 }

@@ -6,11 +6,12 @@ use super::error::Error;
 use super::report::{self, Report};
 use super::terminal::Terminal;
 use serde_json::json;
-use sinew::results::RESULT_NAMES;
-use sinew::results::error::ResultsError;
-use sinew::results::people::{is_of_several, person_folder, refuse_several};
-use sinew_runs::page::{PAGE, opening, refuse_others, write};
-use sinew_tools::report::{ReportPage, ReportRequest};
+use sinew_report::page::{ReportPage, ReportRequest};
+use sinew_report::written_page::{opening, write};
+use sinew_results::RESULT_NAMES;
+use sinew_results::ResultsError;
+use sinew_results::people::{is_of_several, person_folders, refuse_several};
+use sinew_results::{PAGE_NAME, refuse_other_page};
 use std::path::{Path, PathBuf};
 
 /// Runs the command.
@@ -18,13 +19,13 @@ pub(crate) fn run(args: &ReportArgs, general: &General, report: &Report) -> Resu
     if is_of_several(&args.results) {
         return one_each(args, general, report);
     }
-    let out = general.out.as_ref().map_or_else(|| args.results.join(PAGE), PathBuf::from);
+    let out = general.out.as_ref().map_or_else(|| args.results.join(PAGE_NAME), PathBuf::from);
     let folder = out.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let in_results = folder.canonicalize().is_ok_and(|folder| args.results.canonicalize().is_ok_and(|it| it == folder));
     if in_results && RESULT_NAMES.iter().any(|name| out.ends_with(name)) {
-        return Err(sinew_runs::Error::ResultIsOutput(out).into());
+        return Err(sinew::Error::ResultIsOutput(out).into());
     }
-    refuse_others(&out, general.force)?;
+    refuse_other_page(&out, general.force)?;
     let (calibration, validation) = (args.calibration.clone(), args.validation.clone());
     let request = ReportRequest { calibration, validation, ..ReportRequest::default() };
     let written = write(&args.results, &request, &out, &Terminal { general, report })?;
@@ -44,10 +45,9 @@ fn one_each(args: &ReportArgs, general: &General, report: &Report) -> Result<End
         // One file cannot hold the pages of all.
         refuse_several(&args.results).map_err(sinew::Error::from)?;
     }
-    let folders = (0..).map(|index| args.results.join(person_folder(index))).take_while(|folder| folder.is_dir());
     let (mut pages, mut answers) = (vec![], vec![]);
-    for folder in folders.filter(|folder| folder.join("summary.json").is_file()) {
-        let out = folder.join(PAGE);
+    for folder in person_folders(&args.results).filter(|folder| folder.join("summary.json").is_file()) {
+        let out = folder.join(PAGE_NAME);
         let (calibration, validation) = (args.calibration.clone(), args.validation.clone());
         let request = ReportRequest { calibration, validation, ..ReportRequest::default() };
         let ReportPage { html, frames, every } = write(&folder, &request, &out, &Terminal { general, report })?;

@@ -6,8 +6,8 @@ use super::error::{Error, Written};
 use super::progress::Progress;
 use super::report::{self, Report};
 use serde_json::json;
-use sinew::observe::background::Config;
-use sinew_tools::segment::{SegmentRequest, segment};
+use sinew::observe::silhouettes::background::Config;
+use sinew_analysis::segment::{SegmentRequest, segment};
 use std::path::Path;
 
 /// Runs the command.
@@ -28,7 +28,7 @@ pub(crate) fn run(args: &SegmentArgs, general: &General, report: &Report) -> Res
     drop(progress);
     report.warnings(&made.warnings);
     if args.answer.json {
-        let camera = |camera: &sinew_tools::segment::CameraMasks| {
+        let camera = |camera: &sinew_analysis::segment::CameraMasks| {
             json!({
                 "name": camera.name,
                 "background_images": camera.background_images,
@@ -38,7 +38,7 @@ pub(crate) fn run(args: &SegmentArgs, general: &General, report: &Report) -> Res
         };
         report::answer_json(&json!({ "out": out, "cameras": made.cameras.iter().map(camera).collect::<Vec<_>>() }))?;
     } else {
-        let line = |camera: &sinew_tools::segment::CameraMasks| {
+        let line = |camera: &sinew_analysis::segment::CameraMasks| {
             format!(
                 "{}: {} masks, {:.1} % of the image on average ({} images of the background)\n",
                 camera.name,

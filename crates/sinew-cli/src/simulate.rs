@@ -11,19 +11,19 @@ use super::table::aligned;
 use super::terminal::Terminal;
 use rayon::prelude::*;
 use serde_json::json;
+use sinew::body::points::{Trajectories, points_of_states};
 use sinew::config::{Sources, TrackConfig, resolve};
 use sinew::core::random::Stage;
 use sinew::formats::{calib_toml, mask, picture};
-use sinew_motion::points::{Trajectories, points_of_states};
-use sinew_runs::claimed::claimed;
-use sinew_runs::threads::{wanted, with_threads};
+use sinew::run::claimed::claimed;
+use sinew::run::threads::{wanted, with_threads};
+use sinew_motion::convert::{RecordedJoints, recorded_joints};
 use sinew_simulate::detector::{DetectorNoise, STATED_ROWS, detect};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::recording::{body_25b, keypoint_files, write_trc};
 use sinew_simulate::ring::{Ring, subject_px_and_extent_m};
 use sinew_simulate::segmentation_noise::Level;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
-use sinew_tools::motion::{RecordedJoints, recorded_joints};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -117,11 +117,11 @@ fn check_numbers(args: &SimulateArgs) -> Result<usize, Error> {
 }
 
 /// What is replaced must not be what was read.
-fn refuse_inputs_inside(out: &Path, inputs: &[PathBuf]) -> Result<(), sinew::Error> {
+fn refuse_inputs_inside(out: &Path, inputs: &[PathBuf]) -> Result<(), sinew_results::Error> {
     let Ok(folder) = out.canonicalize() else { return Ok(()) };
     let inside = |input: &&PathBuf| input.canonicalize().is_ok_and(|input| input.starts_with(&folder));
     match inputs.iter().find(inside) {
-        Some(input) => Err(sinew::Error::OutputIsInput { path: out.to_owned(), input: input.clone() }),
+        Some(input) => Err(sinew_results::Error::OutputIsInput { path: out.to_owned(), input: input.clone() }),
         None => Ok(()),
     }
 }

@@ -12,7 +12,7 @@ use super::terminal::Terminal;
 use serde_json::json;
 use sinew::config::TrackConfig;
 use sinew::formats::calib_toml;
-use sinew_runs::claimed::claimed;
+use sinew::run::claimed::claimed;
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::crowd::{Crowd, CrowdNoise, CrowdRecording};
 use sinew_simulate::detector::DetectorNoise;

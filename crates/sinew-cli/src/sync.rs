@@ -9,8 +9,8 @@ use super::table::aligned;
 use serde_json::json;
 use sinew::config::track::DEFAULT_FPS;
 use sinew::config::{Resolved, TrackConfig};
-use sinew_runs::settings::{reading, settings};
-use sinew_tools::sync::{FoundClock, FoundClocks, SyncRequest, synchronise};
+use sinew::run::settings::{reading, settings};
+use sinew_analysis::sync::{FoundClock, FoundClocks, SyncRequest, synchronise};
 use std::sync::atomic::Ordering;
 
 /// Runs the command.

@@ -1,8 +1,8 @@
 //! The answer of a run as a table of two columns.
 
-use sinew::results::CameraSummary;
 use sinew::setup::{MeasuredColours, MeasuredGirth, PartColours};
 use sinew::track::job::Outcome;
+use sinew_results::CameraSummary;
 use std::collections::BTreeSet;
 use std::path::Path;
 

@@ -4,7 +4,7 @@ use super::args::General;
 use super::interrupt;
 use super::progress::Progress;
 use super::report::Report;
-use sinew_runs::listener::{Counter, Listener};
+use sinew::run::listener::{Counter, Listener};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 

@@ -8,11 +8,12 @@ use super::report::{self, Report};
 use super::sync;
 use super::table::{columns, table};
 use super::terminal::Terminal;
-use sinew::results::Summary;
-use sinew::results::people::{PeopleSummary, PersonTracked};
+use sinew::run::settings::settings_with_stated_rate;
+use sinew::run::{CameTo, RESUME, Request, calibration};
 use sinew::track::job::Outcome;
-use sinew_runs::settings::settings_with_stated_rate;
-use sinew_runs::{CameTo, RESUME, Request};
+use sinew_report::written_page::write_for_run;
+use sinew_results::Summary;
+use sinew_results::people::{PeopleSummary, PersonTracked};
 use std::path::Path;
 
 /// Runs the command.
@@ -44,12 +45,16 @@ pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Resul
         settings_file: general.config.clone(),
         ..Request::default()
     };
-    let out = resolved.track().out;
-    match sinew_runs::track(&resolved, &request, &terminal)? {
+    let config = resolved.track();
+    let out = config.out.clone();
+    let came_to = sinew::run::track(&resolved, &request, &terminal)?;
+    if args.report {
+        write_for_run(&out, &calibration(&config)?, &terminal)?;
+    }
+    match came_to {
         CameTo::One(outcome) => one_person(&outcome, &out, args, report),
         CameTo::Complete(summary) => complete(&summary, &out, args, report),
         CameTo::Several(summary) => several_people(&summary, &out, args, report),
-        _ => Ok(Ended::Done),
     }
 }
 

@@ -10,13 +10,13 @@ use serde_json::json;
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::recording::{Recording, RecordingOptions};
 use sinew::input::roll::Roll;
-use sinew::results::Summary;
-use sinew::results::write_whole;
-use sinew_runs::settings::{reading, settings};
-use sinew_runs::whom::{Whom, looked_for};
-use sinew_runs::{calibration, read_from, track_alone};
-use sinew_tools::predict::predict;
-use sinew_tools::validate::{LEVELS, LeftOut, left_out, sentence, to_csv, to_svg, together};
+use sinew::predict::predict;
+use sinew::run::settings::{reading, settings};
+use sinew::run::whom::{Whom, looked_for};
+use sinew::run::{calibration, read_from, track_alone};
+use sinew_analysis::validate::{LEVELS, LeftOut, left_out, sentence, to_csv, to_svg, together};
+use sinew_results::Summary;
+use sinew_results::write_whole;
 use std::path::Path;
 
 /// Runs the command.
@@ -154,7 +154,7 @@ fn answer(found: &[LeftOut], args: &ValidateArgs, out: &Path) -> Result<(), Erro
         }));
     }
     let percent = |x: f64| format!("{:3.0}", 100.0 * x);
-    let row = |name: &str, tally: &sinew_tools::validate::ObservationTally| {
+    let row = |name: &str, tally: &sinew_analysis::validate::ObservationTally| {
         let inside = LEVELS.map(|level| percent(tally.coverage(level))).join(" ");
         (
             name.to_owned(),

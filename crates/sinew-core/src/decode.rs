@@ -10,7 +10,7 @@
 
 use crate::Error;
 use crate::density::Lanes;
-use crate::lanes::{Block, Isa, Kernel, Real, dispatch, dispatch_one, get_lane, triangle};
+use crate::lanes::{Block, Isa, Kernel, Real, dispatch, dispatch_one, each_lane, get_lane, splat, triangle};
 use std::sync::Arc;
 
 /// A differentiable map.
@@ -31,11 +31,23 @@ pub trait Decode: Sync {
         self.target_dim() * (self.source_dim() + 1) + self.workspace()
     }
 
-    /// Writes the decoded states (m blocks) of a block of sampled ones (n blocks).
-    fn decode_block(&self, x: &[Block], out: &mut [Block], ws: &mut [Block]);
+    /// Writes the decoded states (m blocks) of a block of sampled ones (n blocks). By default state after state.
+    fn decode_block(&self, x: &[Block], out: &mut [Block], ws: &mut [Block]) {
+        let _ = ws;
+        each_lane(x, out, |x, out| self.decode(x, out));
+    }
 
-    /// Given gradients with respect to the decoded states (m blocks), writes those with respect to `x` (n blocks).
-    fn pullback_block(&self, x: &[Block], grad_out: &[Block], grad: &mut [Block], ws: &mut [Block]);
+    /// Given gradients with respect to the decoded states (m blocks), writes those with respect to `x` (n blocks). By default state after state.
+    fn pullback_block(&self, x: &[Block], grad_out: &[Block], grad: &mut [Block], ws: &mut [Block]) {
+        let _ = ws;
+        let mut lane = 0;
+        let mut of_one = vec![0.0; grad_out.len()];
+        each_lane(x, grad, |x, grad| {
+            get_lane(grad_out, lane, &mut of_one);
+            lane += 1;
+            self.pullback(x, &of_one, grad);
+        });
+    }
 
     /// Given symmetric matrices H of the decoded states, writes Jᵀ H J: both lower triangles, row after row. By default J is made of one pullback a row.
     fn pullback_matrix_block(&self, x: &[Block], matrix_out: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
@@ -59,24 +71,22 @@ pub trait Decode: Sync {
     /// The sampled state of a decoded one (length m), of those that exist; none where there is no such state.
     fn encode(&self, decoded: &[f64]) -> Option<Vec<f64>>;
 
-    /// Writes the decoded state of one sampled state. By default a block of it.
+    /// Writes the decoded state of one sampled state. By default a block of it: implement this method or [`Decode::decode_block`], since each falls back on the other.
     fn decode(&self, x: &[f64], out: &mut [f64]) {
-        let x: Vec<Block> = x.iter().map(|&x| Block::splat(x)).collect();
         let mut decoded = vec![Block::ZERO; self.target_dim()];
-        self.decode_block(&x, &mut decoded, &mut vec![Block::ZERO; self.workspace()]);
+        self.decode_block(&splat(x), &mut decoded, &mut vec![Block::ZERO; self.workspace()]);
         get_lane(&decoded, 0, out);
     }
 
-    /// [`Decode::pullback_block`] of one state. By default a block of it.
+    /// [`Decode::pullback_block`] of one state. By default a block of it: implement this method or that, since each falls back on the other.
     fn pullback(&self, x: &[f64], grad_out: &[f64], grad: &mut [f64]) {
-        let blocks = |x: &[f64]| -> Vec<Block> { x.iter().map(|&x| Block::splat(x)).collect() };
         let mut pulled = vec![Block::ZERO; self.source_dim()];
-        self.pullback_block(&blocks(x), &blocks(grad_out), &mut pulled, &mut vec![Block::ZERO; self.workspace()]);
+        self.pullback_block(&splat(x), &splat(grad_out), &mut pulled, &mut vec![Block::ZERO; self.workspace()]);
         get_lane(&pulled, 0, grad);
     }
 }
 
-/// A numerical decoder, written once over the lane scalar. All methods but [`LaneDecode::encode`] must be `#[inline(always)]`.
+/// A numerical decoder, written once over the lane scalar. Write all methods but [`LaneDecode::encode`] within [`inlined!`](crate::inlined), or with `#[inline(always)]`.
 pub trait LaneDecode: Sync {
     /// Dimension n of the sampled state.
     fn source_dim(&self) -> usize;

@@ -10,7 +10,7 @@
 //! 4. A gradient is overwritten, never added to; where the value is −∞ its content is unspecified.
 //! 5. The content of a workspace before and after a call means nothing.
 
-use crate::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, dispatch_one, get_lane, triangle};
+use crate::lanes::{Block, Isa, Kernel, Real, dispatch, dispatch_one, each_lane, get_lane, splat, triangle};
 
 /// A log density on ℝᵈ, up to a constant that does not depend on the state.
 pub trait LogDensity: Sync {
@@ -28,13 +28,9 @@ pub trait LogDensity: Sync {
     /// Log densities of a block of states, `x` = d blocks, `ws` ≥ [`LogDensity::workspace`] blocks.
     fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
         let _ = ws;
-        let mut state = vec![0.0; self.dim()];
-        let mut out = Block::ZERO;
-        for lane in 0..LANES {
-            get_lane(x, lane, &mut state);
-            out.0[lane] = self.log_density(&state);
-        }
-        out
+        let mut out = [Block::ZERO];
+        each_lane(x, &mut out, |x, out| out[0] = self.log_density(x));
+        out[0]
     }
 }
 
@@ -46,16 +42,12 @@ pub trait GradLogDensity: LogDensity {
     /// Log densities of a block; gradients are written to `grad` (d blocks).
     fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
         let _ = ws;
-        let mut state = vec![0.0; self.dim()];
-        let mut g = vec![0.0; self.dim()];
         let mut out = Block::ZERO;
-        for lane in 0..LANES {
-            get_lane(x, lane, &mut state);
-            out.0[lane] = self.log_density_grad(&state, &mut g);
-            for (b, &g) in grad.iter_mut().zip(&g) {
-                b.0[lane] = g;
-            }
-        }
+        let mut lane = 0;
+        each_lane(x, grad, |x, grad| {
+            out.0[lane] = self.log_density_grad(x, grad);
+            lane += 1;
+        });
         out
     }
 }
@@ -67,8 +59,18 @@ pub trait GaussNewton: GradLogDensity {
         self.workspace()
     }
 
-    /// Writes the diagonals for a block of states to `diagonal` (d blocks).
-    fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]);
+    /// Writes the diagonal of one state to `diagonal` (length d). By default a block of it: implement this method or [`GaussNewton::gauss_newton_diagonal_block`], since each falls back on the other.
+    fn gauss_newton_diagonal(&self, x: &[f64], diagonal: &mut [f64]) {
+        let mut out = vec![Block::ZERO; self.dim()];
+        self.gauss_newton_diagonal_block(&splat(x), &mut out, &mut vec![Block::ZERO; self.matrix_workspace()]);
+        get_lane(&out, 0, diagonal);
+    }
+
+    /// Writes the diagonals for a block of states to `diagonal` (d blocks). By default state after state.
+    fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
+        let _ = ws;
+        each_lane(x, diagonal, |x, diagonal| self.gauss_newton_diagonal(x, diagonal));
+    }
 
     /// Writes the matrices for a block of states to `matrix`: lower triangle, row after row, d (d + 1) / 2 blocks. By default only their diagonals.
     fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
@@ -118,8 +120,23 @@ pub trait PartLogDensity: LogDensity {
         Global { log_likelihood: self.log_density_block(x, ws), met: Block::splat(1.0) }
     }
 
-    /// Writes the log likelihoods of some parts for a block of states: one block a part to `out`, in their order; `ws` ≥ [`LogDensity::workspace`] blocks. A part's value may depend on the whole state.
-    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], ws: &mut [Block]);
+    /// Log likelihood of one part at one state. By default a block of it: implement this method or [`PartLogDensity::log_density_parts_block`], since each falls back on the other.
+    fn log_density_part(&self, part: usize, x: &[f64]) -> f64 {
+        let mut out = [Block::ZERO];
+        self.log_density_parts_block(&[part], &splat(x), &mut out, &mut vec![Block::ZERO; self.workspace()]);
+        out[0].0[0]
+    }
+
+    /// Writes the log likelihoods of some parts for a block of states: one block a part to `out`, in their order; `ws` ≥ [`LogDensity::workspace`] blocks. A part's value may depend on the whole state. By default part after
+    /// part and state after state.
+    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], ws: &mut [Block]) {
+        let _ = ws;
+        each_lane(x, out, |x, out| {
+            for (out, &part) in out.iter_mut().zip(parts) {
+                *out = self.log_density_part(part, x);
+            }
+        });
+    }
 }
 
 /// How well a block of whole states explains what was observed, compared with each other.
@@ -131,7 +148,8 @@ pub struct Global {
     pub met: Block,
 }
 
-/// A numerical leaf, written once over the lane scalar. All methods must be `#[inline(always)]`, but for those that [`compile_density_here!`](crate::compile_density_here) writes.
+/// A numerical leaf, written once over the lane scalar. Write all methods within [`inlined!`](crate::inlined), or with `#[inline(always)]`: without it blocks take ten to fifty times as long. Those that
+/// [`compile_density_here!`](crate::compile_density_here) writes stay outside.
 pub trait LaneDensity: Sync {
     /// Dimension d of the state.
     fn dim(&self) -> usize;

@@ -1,51 +1,36 @@
-//! How much a set of Markov chains is worth.
-//! Autocorrelation, integrated autocorrelation time, effective sample size, split R̂ and E-BFMI.
+//! What Markov chains are worth and whether they have converged: R̂, effective sample sizes, Monte Carlo standard error, E-BFMI.
+//! The definitions are Stan's and ArviZ's (Vehtari, Gelman, Simpson, Carpenter & Bürkner 2021); the tests hold ArviZ's numbers for stored chains.
 //!
-//! With ρ_k the autocovariance at lag k over the variance, both over all chains with the pooled mean, the integrated autocorrelation time is τ = 1 + 2 Σ_{k≥1} ρ_k, and n draws
-//! are worth n / τ independent ones. The sum is cut
+//! Chains are cut to their common length and halved. With W the mean variance within the halves of length n and B / n the variance of their means,
 //!
-//! - [`Window::Geyer`]: by the initial monotone sequence (Geyer 1992): Γ_k = ρ_{2k} + ρ_{2k+1} while positive, forced to fall, τ = −1 + 2 Σ Γ_k;
-//! - [`Window::Sokal`]: at the least W with W ≥ 5 τ(W) (Sokal 1989), which is about 5 % low for first-order chains.
+//! - [`split_r_hat`]: R̂ = √(((n − 1) / n · W + B / n) / W) (Gelman et al. 2013, §11.4);
+//! - [`effective_sample_size`] N_eff: N / τ with τ = 1 + 2 Σ ρ_t, where ρ_t = 1 − (W − c_t) / V with the mean autocovariance c_t within the halves and V = (n − 1) / n · W + B / n, so that chains which
+//!   disagree are worth little. The sum is cut by the initial monotone sequence (Geyer 1992), and N_eff ≤ N log₁₀ N: draws that alternate are worth more than independent ones;
+//! - [`mcse_of_mean`]: standard deviation of all draws over √N_eff;
+//! - [`energy_fraction`]: E-BFMI = Σ (E_t − E_{t−1})² / Σ (E_t − Ē)² of one chain's energies (Betancourt 2016).
 //!
-//! Split R̂ (Gelman et al. 2013, §11.4) halves each chain: with W the mean variance within the halves of length n and B / n the variance of their means,
-//! R̂ = √(((n − 1) / n · W + B / n) / W). E-BFMI (Betancourt 2016) = Σ (E_t − E_{t−1})² / Σ (E_t − Ē)².
+//! A *rank-normalised* value is `z = Φ⁻¹((r − 3/8) / (N + 1/4))` with r its rank among all N values, ties sharing their mean rank. Then
 //!
-//! Where a quantity does not exist the answer is defined:
+//! - [`rank_r_hat`]: the larger R̂ of the rank-normalised values and of the rank-normalised distances from the median;
+//! - [`bulk_ess`]: effective sample size of the rank-normalised values;
+//! - [`tail_ess`]: the smaller effective sample size of the indicators of the lowest 5 % and of the lowest 95 %.
 //!
-//! | input | τ | effective sample size | R̂ |
-//! |---|---|---|---|
-//! | constant draws | NaN | 0 | NaN |
-//! | one constant chain of several that differ | as computed | as computed | as computed, large |
-//! | a value that is not finite | NaN | 0 | NaN |
-//! | fewer than 4 draws a chain | as computed from 2 on, else NaN | ≤ number of draws | NaN |
-//! | one chain | as computed | as computed | of its two halves |
-//!
-//! The effective sample size never exceeds the number of draws.
+//! | input | [`effective_sample_size`] | other effective sizes | R̂ | standard error |
+//! |---|---|---|---|---|
+//! | a value that is not finite, fewer than 4 draws a chain | 0 | NaN | NaN | NaN |
+//! | all values equal | 0 (ArviZ has N) | N | NaN | 0 |
+//! | chains that stand still, apart | as computed, small | as computed | ∞ or NaN | as computed |
+//! | one chain | as computed | as computed | of its halves (ArviZ has none) | as computed |
 //!
 //! ```
-//! use sinew_core::diagnostics::{Window, effective_sample_size, integrated_time};
-//! let draws = [0.3, -0.2, 0.9, -1.0, 0.1, 0.4, -0.6, 0.2];
-//! let tau = integrated_time(&[draws], Window::Geyer);
-//! assert_eq!(effective_sample_size(&[draws]), (8.0 / tau).min(8.0));
+//! use sinew_core::diagnostics::{bulk_ess, rank_r_hat};
+//! let away: Vec<f64> = (0..50).map(|i| f64::from(i * 17 % 50) + 40.0).collect();
+//! let here: Vec<f64> = (0..50).map(|i| f64::from(i * 13 % 50)).collect();
+//! assert!(rank_r_hat(&[&here, &away]) > 1.2 && bulk_ess(&[&here, &away]) < 30.0);
 //! ```
 
 use crate::lanes::LANES;
-
-/// Where the sum of autocorrelations is cut.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Window {
-    /// Geyer's initial positive monotone sequence.
-    Geyer,
-    /// Sokal's automatic window.
-    Sokal,
-}
-
-/// Chains cut to a common length, one after the other, centred on their pooled mean.
-struct Centred {
-    values: Vec<f64>,
-    length: usize,
-    variance: f64,
-}
+use std::cmp::Ordering;
 
 /// Sum over the pairs of two series of one length, eight of them side by side.
 fn sum(a: &[f64], b: &[f64], of: impl Fn(f64, f64) -> f64) -> f64 {
@@ -63,115 +48,173 @@ fn mean(values: &[f64]) -> f64 {
     sum(values, values, |x, _| x * share)
 }
 
-impl Centred {
-    /// `None` unless there are at least two draws, all finite, that are not all equal.
+/// Mean and variance, with n − 1; exact of values that are all equal.
+fn moments(values: &[f64]) -> (f64, f64) {
+    if values.iter().all(|&x| x == values[0]) {
+        return (values[0], 0.0);
+    }
+    let mean = mean(values);
+    (mean, sum(values, values, |x, y| (x - mean) * (y - mean)) / (values.len() as f64 - 1.0))
+}
+
+/// All draws of chains that are cut to their common length.
+fn pooled<C: AsRef<[f64]>>(chains: &[C]) -> Vec<f64> {
+    let length = chains.iter().map(|c| c.as_ref().len()).min().unwrap_or(0);
+    chains.iter().flat_map(|c| &c.as_ref()[..length]).copied().collect()
+}
+
+/// Both halves of every chain, one after the other.
+struct Halves {
+    values: Vec<f64>,
+    /// Draws of one half.
+    length: usize,
+}
+
+impl Halves {
+    /// `None` without chains, of fewer than four draws a chain, and where a draw is not finite.
     fn new<C: AsRef<[f64]>>(chains: &[C]) -> Option<Self> {
-        let length = chains.iter().map(|c| c.as_ref().len()).min()?;
-        if length < 2 {
-            return None;
-        }
-        let mut values = Vec::with_capacity(length * chains.len());
-        chains.iter().for_each(|c| values.extend_from_slice(&c.as_ref()[..length]));
-        if values.iter().any(|x| !x.is_finite()) || values.iter().all(|x| *x == values[0]) {
-            return None;
-        }
-        let mean = mean(&values);
-        values.iter_mut().for_each(|x| *x -= mean);
-        let share = 1.0 / values.len() as f64;
-        let variance = sum(&values, &values, |x, y| x * y * share);
-        (variance > 0.0 && variance.is_finite()).then_some(Self { values, length, variance })
+        let whole = chains.iter().map(|c| c.as_ref().len()).min()?;
+        let length = whole / 2;
+        let halves = chains.iter().flat_map(|c| {
+            let c = &c.as_ref()[..whole];
+            [&c[..length], &c[c.len() - length..]]
+        });
+        let values = halves.flatten().copied().collect();
+        let finite = chains.iter().all(|c| c.as_ref()[..whole].iter().all(|x| x.is_finite()));
+        (length >= 2 && finite).then_some(Self { values, length })
     }
 
-    fn autocorrelation(&self, lag: usize) -> f64 {
-        let ahead = self.length - lag;
-        let products: f64 =
-            self.values.chunks_exact(self.length).map(|c| sum(&c[..ahead], &c[lag..], |x, y| x * y)).sum();
-        products / (self.values.len() as f64 * self.variance)
+    fn map(&self, of: impl Fn(f64) -> f64) -> Self {
+        Self { values: self.values.iter().map(|&x| of(x)).collect(), ..*self }
     }
 
-    fn integrated_time(&self, window: Window) -> f64 {
-        match window {
-            Window::Sokal => {
-                let mut tau = 1.0;
-                for lag in 1..self.length {
-                    tau += 2.0 * self.autocorrelation(lag);
-                    if lag as f64 >= 5.0 * tau {
-                        break;
-                    }
-                }
-                tau
+    fn constant(&self) -> bool {
+        self.values.iter().all(|&x| x == self.values[0])
+    }
+
+    /// The values' ranks as normal deviates.
+    fn rank_normalised(&self) -> Self {
+        let values = &self.values;
+        let mut order: Vec<usize> = (0..values.len()).collect();
+        order.sort_by(|&a, &b| values[a].partial_cmp(&values[b]).unwrap_or(Ordering::Equal));
+        let mut normal = vec![0.0; values.len()];
+        let mut before = 0;
+        for ties in order.chunk_by(|&a, &b| values[a] == values[b]) {
+            let rank = before as f64 + 0.5 * (ties.len() as f64 + 1.0);
+            let z = normal_quantile((rank - 0.375) / (values.len() as f64 + 0.25));
+            ties.iter().for_each(|&i| normal[i] = z);
+            before += ties.len();
+        }
+        Self { values: normal, ..*self }
+    }
+
+    fn r_hat(&self) -> f64 {
+        let n = self.length as f64;
+        let moments: Vec<(f64, f64)> = self.values.chunks_exact(self.length).map(moments).collect();
+        let m = moments.len() as f64;
+        let mean = moments.iter().map(|(mean, _)| mean / m).sum::<f64>();
+        let between = moments.iter().map(|(x, _)| (x - mean) * (x - mean)).sum::<f64>() / (m - 1.0);
+        let within = moments.iter().map(|(_, variance)| variance / m).sum::<f64>();
+        if self.constant() { f64::NAN } else { (((n - 1.0) / n * within + between) / within).sqrt() }
+    }
+
+    fn effective(mut self) -> f64 {
+        let (draws, n) = (self.values.len() as f64, self.length);
+        if self.constant() {
+            return draws;
+        }
+        let centred = |half: &mut [f64]| {
+            let mean = mean(half);
+            half.iter_mut().for_each(|x| *x -= mean);
+            mean
+        };
+        let means: Vec<f64> = self.values.chunks_exact_mut(n).map(centred).collect();
+        let autocovariance = |lag: usize| {
+            let halves = self.values.chunks_exact(n);
+            halves.map(|half| sum(&half[..n - lag], &half[lag..], |a, b| a * b)).sum::<f64>() / draws
+        };
+        let within = autocovariance(0) * n as f64 / (n as f64 - 1.0);
+        let total = autocovariance(0) + moments(&means).1;
+        let correlation = |lag: usize| 1.0 - (within - autocovariance(lag)) / total;
+        let mut rho = vec![0.0; n];
+        (rho[0], rho[1]) = (1.0, correlation(1));
+        let (mut even, mut odd) = (rho[0], rho[1]);
+        let mut t = 1;
+        while t + 3 < n && even + odd > 0.0 {
+            (even, odd) = (correlation(t + 1), correlation(t + 2));
+            if even + odd >= 0.0 {
+                (rho[t + 1], rho[t + 2]) = (even, odd);
             }
-            Window::Geyer => {
-                let mut tau = -1.0;
-                let mut previous = f64::INFINITY;
-                for lag in (0..self.length - 1).step_by(2) {
-                    let pair = self.autocorrelation(lag) + self.autocorrelation(lag + 1);
-                    if pair <= 0.0 {
-                        break;
-                    }
-                    previous = pair.min(previous);
-                    tau += 2.0 * previous;
-                }
-                tau
-            }
+            t += 2;
         }
+        // Lags before `end` count twice, `end` itself once.
+        let end = t - 1;
+        if even > 0.0 {
+            rho[end] = even;
+        }
+        let mut t = 1;
+        while t + 3 <= end {
+            let before = rho[t - 1] + rho[t];
+            if rho[t + 1] + rho[t + 2] > before {
+                (rho[t + 1], rho[t + 2]) = (0.5 * before, 0.5 * before);
+            }
+            t += 2;
+        }
+        let tau = -1.0 + 2.0 * rho[..end].iter().sum::<f64>() + rho[end];
+        draws / tau.max(1.0 / draws.log10())
     }
 }
 
-/// Autocorrelations ρ_0 … ρ_{max_lag} over all chains with the pooled mean; empty where they do not exist.
-#[must_use]
-pub fn autocorrelation<C: AsRef<[f64]>>(chains: &[C], max_lag: usize) -> Vec<f64> {
-    Centred::new(chains)
-        .map_or_else(Vec::new, |c| (0..=max_lag.min(c.length - 1)).map(|lag| c.autocorrelation(lag)).collect())
-}
-
-/// Integrated autocorrelation time τ (spec of the estimators in the module text); NaN where it does not exist.
-#[must_use]
-pub fn integrated_time<C: AsRef<[f64]>>(chains: &[C], window: Window) -> f64 {
-    Centred::new(chains).map_or(f64::NAN, |c| c.integrated_time(window))
-}
-
-/// Number of independent draws that all draws together are worth (Geyer's window): between 0 and their number.
+/// Number of independent draws whose mean errs as much as that of all draws; 0 where it does not exist, and of draws that are all equal.
 #[must_use]
 pub fn effective_sample_size<C: AsRef<[f64]>>(chains: &[C]) -> f64 {
-    Centred::new(chains).map_or(0.0, |c| {
-        let draws = c.values.len() as f64;
-        let tau = c.integrated_time(Window::Geyer);
-        if tau > 1.0 { draws / tau } else { draws }
-    })
+    Halves::new(chains).filter(|halves| !halves.constant()).map_or(0.0, Halves::effective)
 }
 
 /// Split R̂ of the halves of all chains; NaN where it does not exist.
 #[must_use]
 pub fn split_r_hat<C: AsRef<[f64]>>(chains: &[C]) -> f64 {
-    let Some(half) = chains.iter().map(|c| c.as_ref().len() / 2).min().filter(|&half| half >= 2) else {
-        return f64::NAN;
-    };
-    if chains.iter().any(|c| c.as_ref().iter().any(|x| !x.is_finite())) {
-        return f64::NAN;
-    }
-    let n = half as f64;
-    let halves = chains.iter().flat_map(|c| {
-        let c = c.as_ref();
-        [&c[..half], &c[c.len() - half..]]
+    Halves::new(chains).map_or(f64::NAN, |halves| halves.r_hat())
+}
+
+/// Rank-normalised split R̂, of location and of scale: below 1.01 is good.
+#[must_use]
+pub fn rank_r_hat<C: AsRef<[f64]>>(chains: &[C]) -> f64 {
+    let Some(halves) = Halves::new(chains) else { return f64::NAN };
+    let mut all = halves.values.clone();
+    all.sort_by(f64::total_cmp);
+    let median = 0.5 * (all[(all.len() - 1) / 2] + all[all.len() / 2]);
+    let folded = halves.map(|x| (x - median).abs());
+    let [location, scale] = [halves, folded].map(|values| values.rank_normalised().r_hat());
+    if location.is_nan() || scale.is_nan() { f64::NAN } else { location.max(scale) }
+}
+
+/// Effective sample size for the bulk of the distribution.
+#[must_use]
+pub fn bulk_ess<C: AsRef<[f64]>>(chains: &[C]) -> f64 {
+    Halves::new(chains).map_or(f64::NAN, |halves| halves.rank_normalised().effective())
+}
+
+/// Effective sample size for the 5 % and 95 % quantiles.
+#[must_use]
+pub fn tail_ess<C: AsRef<[f64]>>(chains: &[C]) -> f64 {
+    let Some(halves) = Halves::new(chains) else { return f64::NAN };
+    let mut all = pooled(chains);
+    all.sort_by(f64::total_cmp);
+    let [low, high] = [0.05, 0.95].map(|p| {
+        // The quantile between two order statistics.
+        let place = p * (all.len() - 1) as f64;
+        let (low, part) = (place.floor() as usize, place.fract());
+        let quantile = all[low] + part * (all[(low + 1).min(all.len() - 1)] - all[low]);
+        halves.map(|x| f64::from(u8::from(x <= quantile))).effective()
     });
-    let moments: Vec<(f64, f64)> = halves
-        .map(|h| {
-            if h.iter().all(|&x| x == h[0]) {
-                return (h[0], 0.0);
-            }
-            let mean = mean(h);
-            (mean, sum(h, h, |x, y| (x - mean) * (y - mean)) / (n - 1.0))
-        })
-        .collect();
-    let m = moments.len() as f64;
-    let mean = moments.iter().map(|(mean, _)| mean / m).sum::<f64>();
-    let between = moments.iter().map(|(x, _)| (x - mean) * (x - mean)).sum::<f64>() / (m - 1.0);
-    let within = moments.iter().map(|(_, variance)| variance / m).sum::<f64>();
-    if moments.iter().all(|&half| half == (moments[0].0, 0.0)) {
-        return f64::NAN;
-    }
-    (((n - 1.0) / n * within + between) / within).sqrt()
+    low.min(high)
+}
+
+/// Standard error of the mean of all draws as an estimate of the expectation.
+#[must_use]
+pub fn mcse_of_mean<C: AsRef<[f64]>>(chains: &[C]) -> f64 {
+    Halves::new(chains).map_or(f64::NAN, |halves| (moments(&pooled(chains)).1 / halves.effective()).sqrt())
 }
 
 /// Energy Bayesian fraction of missing information of the energies of one chain; below about 0.3 the momenta explore the energies slowly. NaN where it does not exist.
@@ -182,6 +225,90 @@ pub fn energy_fraction(energy: &[f64]) -> f64 {
     let steps: f64 = energy.windows(2).map(|e| (e[1] - e[0]) * (e[1] - e[0])).sum();
     steps / energy.iter().map(|e| (e - mean) * (e - mean)).sum::<f64>()
 }
+
+fn polynomial(coefficients: [f64; 8], x: f64) -> f64 {
+    coefficients.into_iter().rev().fold(0.0, |sum, c| sum * x + c)
+}
+
+/// Φ⁻¹, by the rational approximations PPND16 (Wichura 1988, AS 241), exact to about 1e-16.
+fn normal_quantile(p: f64) -> f64 {
+    let q = p - 0.5;
+    if q.abs() <= 0.425 {
+        let r = 0.180_625 - q * q;
+        return q * polynomial(CENTRE[0], r) / polynomial(CENTRE[1], r);
+    }
+    let r = (-p.min(1.0 - p).ln()).sqrt();
+    let [numerator, denominator] = if r <= 5.0 { MIDDLE } else { FAR };
+    let r = if r <= 5.0 { r - 1.6 } else { r - 5.0 };
+    (polynomial(numerator, r) / polynomial(denominator, r)).copysign(q)
+}
+
+const CENTRE: [[f64; 8]; 2] = [
+    [
+        3.387_132_872_796_366_5,
+        133.141_667_891_784_38,
+        1_971.590_950_306_551_3,
+        13_731.693_765_509_46,
+        45_921.953_931_549_87,
+        67_265.770_927_008_7,
+        33_430.575_583_588_13,
+        2_509.080_928_730_122_7,
+    ],
+    [
+        1.0,
+        42.313_330_701_600_91,
+        687.187_007_492_057_9,
+        5_394.196_021_424_751,
+        21_213.794_301_586_597,
+        39_307.895_800_092_71,
+        28_729.085_735_721_943,
+        5_226.495_278_852_854,
+    ],
+];
+const MIDDLE: [[f64; 8]; 2] = [
+    [
+        1.423_437_110_749_683_5,
+        4.630_337_846_156_546,
+        5.769_497_221_460_691,
+        3.647_848_324_763_204_5,
+        1.270_458_252_452_368_4,
+        0.241_780_725_177_450_6,
+        0.022_723_844_989_269_184,
+        7.745_450_142_783_414e-4,
+    ],
+    [
+        1.0,
+        2.053_191_626_637_758_7,
+        1.676_384_830_183_803_8,
+        0.689_767_334_985_1,
+        0.148_103_976_427_480_08,
+        0.015_198_666_563_616_457,
+        5.475_938_084_995_345e-4,
+        1.050_750_071_644_416_9e-9,
+    ],
+];
+const FAR: [[f64; 8]; 2] = [
+    [
+        6.657_904_643_501_103,
+        5.463_784_911_164_114,
+        1.784_826_539_917_291_3,
+        0.296_560_571_828_504_9,
+        0.026_532_189_526_576_124,
+        0.001_242_660_947_388_078_4,
+        2.711_555_568_743_487_6e-5,
+        2.010_334_399_292_288_1e-7,
+    ],
+    [
+        1.0,
+        0.599_832_206_555_888,
+        0.136_929_880_922_735_8,
+        0.014_875_361_290_850_615,
+        7.868_691_311_456_133e-4,
+        1.846_318_317_510_054_8e-5,
+        1.421_511_758_316_446e-7,
+        2.044_263_103_389_939_8e-15,
+    ],
+];
 
 #[cfg(test)]
 mod tests {
@@ -207,18 +334,14 @@ mod tests {
             .collect()
     }
 
-    /// H11.
+    /// τ = (1 + φ) / (1 − φ), for chains that alternate too.
     #[test]
-    fn integrated_time_of_first_order_chains() {
-        for (phi, seed) in [(0.0, 1), (0.5, 2), (0.9, 3)] {
-            let chain = [ar1(phi, 2_000_000, Stage::new(seed, "H11"))];
-            let exact = (1.0 + phi) / (1.0 - phi);
-            for window in [Window::Geyer, Window::Sokal] {
-                let tau = integrated_time(&chain, window);
-                assert!((tau / exact - 1.0).abs() < 0.1, "phi {phi}, {window:?}: {tau} against {exact} ± 10 %");
-            }
-            let rho = autocorrelation(&chain, 2);
-            assert!((rho[1] - phi).abs() < 0.01 && (rho[0] - 1.0).abs() < 1e-12, "rho_1 = {} against {phi}", rho[1]);
+    fn first_order_chains_are_worth_what_their_autocorrelation_says() {
+        for (phi, seed) in [(-0.5, 4), (0.0, 1), (0.5, 2), (0.9, 3)] {
+            let length = 1_000_000;
+            let worth = effective_sample_size(&[ar1(phi, length, Stage::new(seed, "H11"))]);
+            let exact = length as f64 * (1.0 - phi) / (1.0 + phi);
+            assert!((worth / exact - 1.0).abs() < 0.1, "phi {phi}: {worth} against {exact} ± 10 %");
         }
     }
 
@@ -241,22 +364,39 @@ mod tests {
     }
 
     #[test]
+    fn quantiles_of_the_normal_distribution() {
+        for (p, z) in [(0.5, 0.0), (0.975, 1.959_963_984_540_054), (0.1, -1.281_551_565_544_600_4)] {
+            assert!((normal_quantile(p) - z).abs() < 1e-14, "{p}");
+        }
+        assert!((normal_quantile(1e-20) + 9.262_340_089_798_408).abs() < 1e-12);
+        assert!((normal_quantile(0.01) + normal_quantile(0.99)).abs() < 1e-13);
+    }
+
+    #[test]
     fn answers_are_defined_where_the_quantity_is_not() {
-        let constant = [[1.5; 100]];
-        assert_eq!(effective_sample_size(&constant), 0.0);
-        assert!(integrated_time(&constant, Window::Geyer).is_nan() && split_r_hat(&constant).is_nan());
-        assert!(split_r_hat(&[[1.0; 8], [2.0; 8]]).is_infinite());
-        let broken = [[1.0, f64::INFINITY, 2.0, 3.0, 4.0]];
-        assert_eq!(effective_sample_size(&broken), 0.0);
-        assert!(split_r_hat(&broken).is_nan() && autocorrelation(&broken, 3).is_empty());
-        let short = [[1.0, 2.0, 4.0]];
-        assert!(split_r_hat(&short).is_nan());
-        assert!(effective_sample_size(&short) <= 3.0 && effective_sample_size(&short) > 0.0);
-        assert!(split_r_hat::<[f64; 4]>(&[]).is_nan() && effective_sample_size::<[f64; 4]>(&[]) == 0.0);
-        // ρ = 1, −2/3, 1/6: one pair, and the last lag has no partner.
-        assert!((integrated_time(&[[1.0, -2.0, 1.0]], Window::Geyer) + 1.0 / 3.0).abs() < 1e-12);
-        let alternating: Vec<f64> = (0..100).map(|i| f64::from(i % 2)).collect();
-        assert_eq!(effective_sample_size(&[alternating]), 100.0);
+        let short = [[1.0, 2.0, 3.0]; 2];
+        let broken = [[1.0, f64::NAN, 3.0, 4.0]; 2];
+        let infinite = [[1.0, f64::INFINITY, 2.0, 3.0, 4.0]; 2];
+        let none: [&[f64]; 0] = [];
+        for chains in
+            [short.each_ref().map(|c| &c[..]), broken.each_ref().map(|c| &c[..]), infinite.each_ref().map(|c| &c[..])]
+                .iter()
+                .map(|c| &c[..])
+                .chain([&none[..]])
+        {
+            assert_eq!(effective_sample_size(chains), 0.0, "{chains:?}");
+            let others =
+                [split_r_hat(chains), rank_r_hat(chains), bulk_ess(chains), tail_ess(chains), mcse_of_mean(chains)];
+            assert!(others.iter().all(|x| x.is_nan()), "{chains:?}: {others:?}");
+        }
+        // Chains that stand still have no spread to compare with, wherever they stand.
+        assert!(split_r_hat(&[[1.0; 8], [2.0; 8]]).is_infinite() && rank_r_hat(&[[1.0; 10], [2.0; 10]]).is_nan());
+        // Two values only: they have a location and no scale.
+        assert!(rank_r_hat(&[[1.0, -1.0, 1.0, -1.0, -1.0, 1.0]; 2]).is_nan());
+        // A mean of 0.1 that is added up is not 0.1.
+        let constant = [[0.1; 10]; 3];
+        assert!(rank_r_hat(&constant).is_nan() && split_r_hat(&constant).is_nan());
+        assert_eq!((bulk_ess(&constant), mcse_of_mean(&constant), effective_sample_size(&constant)), (30.0, 0.0, 0.0));
     }
 
     #[test]

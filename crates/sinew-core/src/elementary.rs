@@ -1,11 +1,13 @@
 //! Sine, cosine, exponential and logarithm on lanes: branch-free polynomials, the same lines for one state and for eight.
 //!
-//! | function | range | error |
-//! |---|---|---|
-//! | [`sin_cos`] | \|x\| ≤ 1e5 | ≤ 2 ulp + 1e-27 |
-//! | [`sin_cos_turns`] | \|u\| ≤ 1e5 turns | ≤ 2 ulp + 1e-27 |
-//! | [`exp`] | −708 ≤ x ≤ 0 (smaller arguments are taken as −708) | ≤ 2 ulp |
-//! | [`ln`] | positive normal numbers | ≤ 2 ulp |
+//! | function | range | error | elsewhere |
+//! |---|---|---|---|
+//! | [`sin_cos`] | \|x\| ≤ 1e5 | ≤ 2 ulp + 1e-27 | error below 2⁻⁶² x² up to 1e9; a meaningless number beyond; NaN for ±∞ |
+//! | [`sin_cos_turns`] | \|u\| ≤ 1e5 turns | ≤ 2 ulp + 1e-27 | up to 1e15 turns as exact as u; a meaningless number beyond; NaN for ±∞ |
+//! | [`exp`] | −708 ≤ x ≤ 709.78 | ≤ 2 ulp | 0 below −708.1, ∞ above 709.79 |
+//! | [`ln`] | positive normal numbers | ≤ 2 ulp | NaN for ∞; a meaningless finite number for 0, denormal and negative ones |
+//!
+//! NaN stays NaN.
 //!
 //! Reductions and the coefficients of sine and logarithm are FreeBSD's msun's (`k_sin.c`, `e_log.c`, after W. J. Cody and W. Waite 1980). Cosine (degree 12, |r| ≤ π/4) and exponential
 //! (degree 11, |r| ≤ ln 2 / 2) are minimax polynomials by Remez exchange with largest errors 7.7e-17 and 3.6e-18. Without fused multiply-add π/2 is subtracted in three pieces, the products of k < 2²⁰
@@ -36,19 +38,20 @@ const COS: [f64; 5] = [
     f64::from_bits(0xBE92_7E02_950A_65B1),
     f64::from_bits(0x3E21_BC75_E89A_8FD3),
 ];
-const EXP: [f64; 12] = [
-    1.0,
-    1.0,
-    f64::from_bits(0x3FE0_0000_0000_000A),
-    f64::from_bits(0x3FC5_5555_5555_54F9),
-    f64::from_bits(0x3FA5_5555_5555_083E),
-    f64::from_bits(0x3F81_1111_1112_7D0E),
-    f64::from_bits(0x3F56_C16C_1843_8B11),
-    f64::from_bits(0x3F2A_01A0_12A0_F35C),
-    f64::from_bits(0x3EFA_0199_9E26_209F),
-    f64::from_bits(0x3EC7_1DF2_5B30_D420),
-    f64::from_bits(0x3E92_8AD9_B864_8615),
-    f64::from_bits(0x3E5A_D7F3_EE5D_2F80),
+/// Of twice the exponential, so that the power of two that is left stays below 2¹⁰²⁴.
+const TWICE_EXP: [f64; 12] = [
+    2.0,
+    2.0,
+    f64::from_bits(0x3FF0_0000_0000_000A),
+    f64::from_bits(0x3FD5_5555_5555_54F9),
+    f64::from_bits(0x3FB5_5555_5555_083E),
+    f64::from_bits(0x3F91_1111_1112_7D0E),
+    f64::from_bits(0x3F66_C16C_1843_8B11),
+    f64::from_bits(0x3F3A_01A0_12A0_F35C),
+    f64::from_bits(0x3F0A_0199_9E26_209F),
+    f64::from_bits(0x3ED7_1DF2_5B30_D420),
+    f64::from_bits(0x3EA2_8AD9_B864_8615),
+    f64::from_bits(0x3E6A_D7F3_EE5D_2F80),
 ];
 const LN2: [f64; 2] = [f64::from_bits(0x3FE6_2E42_FEE0_0000), f64::from_bits(0x3DEA_39EF_3579_3C76)];
 const LOG: [f64; 7] = [
@@ -102,15 +105,16 @@ fn in_quadrant<V: Real>(r: V, t: V) -> (V, V) {
     (V::select_odd(t, cos, sin).negate_by_bit1(t), V::select_odd(t, sin, cos).negate_by_bit1(t + V::splat(1.0)))
 }
 
-/// eˣ for −708 ≤ x ≤ 0; smaller x count as −708.
+/// eˣ: 0 below −708.1, where it is less than 3.2e-308.
 #[inline(always)]
 pub fn exp<V: Real>(x: V) -> V {
-    let x = x.max(V::splat(-708.0));
+    // At −708.4 the power of two is 0, at 710.4 infinite. In this order NaN stays NaN.
+    let x = V::splat(710.4).min(V::splat(-708.4).max(x));
     let t = x.fma(V::splat(core::f64::consts::LOG2_E), V::splat(ROUND_MAGIC));
     let k = t - V::splat(ROUND_MAGIC);
     let r = k.fnma(V::splat(LN2[0]), x);
     let r = k.fnma(V::splat(LN2[1]), r);
-    horner(r, &EXP) * V::pow2(t)
+    horner(r, &TWICE_EXP) * V::half_pow2(t)
 }
 
 /// Natural logarithm of positive normal numbers.
@@ -126,7 +130,8 @@ pub fn ln<V: Real>(x: V) -> V {
     let half_square = f * f * V::splat(0.5);
     let r = z * horner(z, &LOG);
     let low = s.fma(half_square + r, e * V::splat(LN2[1]));
-    e.fma(V::splat(LN2[0]), f - (half_square - low))
+    // 0 · x is NaN where x is NaN or infinite.
+    x.fma(V::splat(0.0), e.fma(V::splat(LN2[0]), f - (half_square - low)))
 }
 
 #[cfg(test)]
@@ -218,8 +223,63 @@ mod tests {
 
     #[test]
     fn exponential_is_within_two_ulp() {
-        let arguments = (0..100_000).map(|i| -708.0 * (f64::from(i) / 100_000.0).powi(2));
+        let arguments = (0..100_000).flat_map(|i| {
+            let square = (f64::from(i) / 100_000.0).powi(2);
+            [-708.0 * square, 709.78 * square]
+        });
         assert!(worst_ulp(Which::Exp, f64::exp, arguments) <= 2.0);
+    }
+
+    fn at(which: Which, x: f64) -> Vec<f64> {
+        let run = |isa| {
+            let mut block = Block([x; LANES]);
+            dispatch(isa, Apply(which, &mut block));
+            block.0[3]
+        };
+        Isa::available().into_iter().map(run).collect()
+    }
+
+    #[test]
+    fn exponential_of_everything_else_is_nothing_infinite_or_nan() {
+        for x in [-708.1, -709.0, -745.0, -1e3, -1e300, f64::NEG_INFINITY] {
+            assert!(at(Which::Exp, x).iter().all(|&y| y == 0.0 && y.is_sign_positive()), "{x}");
+        }
+        for x in [709.79, 710.0, 711.0, 745.0, 1e3, 1e300, f64::INFINITY] {
+            assert!(at(Which::Exp, x).iter().all(|&y| y == f64::INFINITY), "{x}");
+        }
+        for x in [0.0, -0.0, 5e-324, -5e-324] {
+            assert!(at(Which::Exp, x).iter().all(|&y| y == 1.0), "{x}");
+        }
+    }
+
+    #[test]
+    fn nan_stays_nan_and_infinity_is_no_argument() {
+        for nan in [f64::NAN, -f64::NAN, f64::from_bits(0x7FF8_0000_0000_0FFF)] {
+            for which in [Which::Sin, Which::Cos, Which::SinTurns, Which::CosTurns, Which::Exp, Which::Ln] {
+                assert!(at(which, nan).iter().all(|y| y.is_nan()));
+            }
+        }
+        for which in [Which::Sin, Which::Cos, Which::SinTurns, Which::CosTurns] {
+            assert!(at(which, f64::INFINITY).iter().chain(&at(which, f64::NEG_INFINITY)).all(|y| y.is_nan()));
+        }
+        assert!(at(Which::Ln, f64::INFINITY).iter().all(|y| y.is_nan()));
+        let ends = [f64::MIN_POSITIVE, f64::MAX].into_iter();
+        assert!(worst_ulp(Which::Ln, f64::ln, ends) <= 2.0);
+    }
+
+    /// Beyond 1e5 the pieces of π/2 lose bits as k grows; the documented bound.
+    #[test]
+    fn sine_and_cosine_of_large_angles_have_the_documented_error() {
+        for i in 1..10_000_u32 {
+            let x = 1e5 * 1e4_f64.powf(f64::from(i) / 1e4);
+            let bound = x * x * 0.5_f64.powi(62) + 1e-15;
+            for (which, expected) in [(Which::Sin, x.sin()), (Which::Cos, x.cos())] {
+                assert!(at(which, x).iter().all(|y| (y - expected).abs() <= bound), "{x}");
+            }
+        }
+        for x in [5e-324, -5e-324, 1e-310, -1e-310] {
+            assert!(at(Which::Sin, x).iter().all(|&y| y == x) && at(Which::Cos, x).iter().all(|&y| y == 1.0), "{x}");
+        }
     }
 
     #[test]

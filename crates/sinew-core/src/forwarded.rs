@@ -43,6 +43,9 @@ macro_rules! forward_to_target {
             fn global_block(&self, x: &[Block], ws: &mut [Block]) -> Global {
                 (**self).global_block(x, ws)
             }
+            fn log_density_part(&self, part: usize, x: &[f64]) -> f64 {
+                (**self).log_density_part(part, x)
+            }
             fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], ws: &mut [Block]) {
                 (**self).log_density_parts_block(parts, x, out, ws);
             }
@@ -50,6 +53,9 @@ macro_rules! forward_to_target {
         impl<D: GaussNewton + ?Sized> GaussNewton for $wrapper where Self: Sync {
             fn matrix_workspace(&self) -> usize {
                 (**self).matrix_workspace()
+            }
+            fn gauss_newton_diagonal(&self, x: &[f64], diagonal: &mut [f64]) {
+                (**self).gauss_newton_diagonal(x, diagonal);
             }
             fn gauss_newton_diagonal_block(&self, x: &[Block], diagonal: &mut [Block], ws: &mut [Block]) {
                 (**self).gauss_newton_diagonal_block(x, diagonal, ws);

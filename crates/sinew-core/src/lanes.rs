@@ -9,7 +9,7 @@
 //! | `[f64; 8]`, vectorised by the compiler | any (SSE2, NEON, wasm) | [`Block`] |
 //! | one `f64` with or without fused multiply-add | as above | `f64` |
 //!
-//! Every function from [`Kernel::run`] down carries `#[inline(always)]`: one that stays outside the entry point is compiled without the
+//! Every function from [`Kernel::run`] down carries `#[inline(always)]`, which [`inlined!`](crate::inlined) writes: one that stays outside the entry point is compiled without the
 //! instruction set, and each of its operations becomes a call. For the same reason kernels use plain loops, never `array::from_fn` or `map` on arrays.
 //!
 //! This is the only file of the workspace with `unsafe`: loads and stores of aligned blocks, blocks seen as numbers, intrinsics (each needs only the
@@ -68,6 +68,22 @@ pub fn set_lane(block: &mut [Block], lane: usize, state: &[f64]) {
 pub fn get_lane(block: &[Block], lane: usize, state: &mut [f64]) {
     for (x, b) in state.iter_mut().zip(block) {
         *x = b.0[lane];
+    }
+}
+
+/// One state in every lane of a block of states.
+#[must_use]
+pub fn splat(state: &[f64]) -> Vec<Block> {
+    state.iter().map(|&x| Block::splat(x)).collect()
+}
+
+/// Calls a function of one state for the states of a block, lane after lane; it writes what goes into the same lane of `out`.
+pub fn each_lane(x: &[Block], out: &mut [Block], mut of_one: impl FnMut(&[f64], &mut [f64])) {
+    let (mut state, mut written) = (vec![0.0; x.len()], vec![0.0; out.len()]);
+    for lane in 0..LANES {
+        get_lane(x, lane, &mut state);
+        of_one(&state, &mut written);
+        set_lane(out, lane, &written);
     }
 }
 
@@ -186,16 +202,18 @@ pub trait Real:
     fn fnma(self, b: Self, c: Self) -> Self;
     /// Square root.
     fn sqrt(self) -> Self;
-    /// The larger of two; neither may be NaN.
+    /// The larger of two; `other` where either is NaN.
     fn max(self, other: Self) -> Self;
+    /// The smaller of two; `other` where either is NaN.
+    fn min(self, other: Self) -> Self;
     /// `yes` where `self > limit`, else `no`; a NaN lane takes `no`.
     fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self;
     /// For `t = k + 1.5 · 2⁵²` with integer `k`: `yes` where `k` is odd, else `no`.
     fn select_odd(t: Self, yes: Self, no: Self) -> Self;
     /// For `t` as in [`Real::select_odd`]: `self` negated where bit 1 of `k` is set.
     fn negate_by_bit1(self, t: Self) -> Self;
-    /// For `t` as in [`Real::select_odd`] and −1022 ≤ `k` ≤ 1023: `2ᵏ`.
-    fn pow2(t: Self) -> Self;
+    /// For `t` as in [`Real::select_odd`] and −1022 ≤ `k` ≤ 1025: `2ᵏ⁻¹`, 0 for the least `k` and ∞ for the largest.
+    fn half_pow2(t: Self) -> Self;
     /// For positive normal numbers `m · 2ᵉ`: (`e`, `m` in [1, 2)).
     fn exponent_mantissa(self) -> (Self, Self);
 }
@@ -205,6 +223,7 @@ pub const ROUND_MAGIC: f64 = 6_755_399_441_055_744.0;
 const SIGN: u64 = 1 << 63;
 const MANTISSA: u64 = (1 << 52) - 1;
 const ONE_BITS: u64 = 0x3FF0_0000_0000_0000;
+const HALF_BITS: u64 = 0x3FE0_0000_0000_0000;
 /// Bits of 2⁵²: or-ed onto a small integer they make the double `2⁵² + integer`.
 const TWO52_BITS: u64 = 0x4330_0000_0000_0000;
 /// 1 − ½ · 2⁻³²: what the double with the bits of 1.0 and a word in the upper mantissa has too much.
@@ -268,8 +287,8 @@ fn negate_by_bit1(x: f64, t: f64) -> f64 {
 }
 
 #[inline(always)]
-fn pow2(t: f64) -> f64 {
-    f64::from_bits((t.to_bits() << 52).wrapping_add(ONE_BITS))
+fn half_pow2(t: f64) -> f64 {
+    f64::from_bits((t.to_bits() << 52).wrapping_add(HALF_BITS))
 }
 
 #[inline(always)]
@@ -355,6 +374,10 @@ macro_rules! one_state {
                 Self(if self.0 > o.0 { self.0 } else { o.0 })
             }
             #[inline(always)]
+            fn min(self, o: Self) -> Self {
+                Self(if self.0 < o.0 { self.0 } else { o.0 })
+            }
+            #[inline(always)]
             fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self {
                 if self.0 > limit { yes } else { no }
             }
@@ -367,8 +390,8 @@ macro_rules! one_state {
                 Self(negate_by_bit1(self.0, t.0))
             }
             #[inline(always)]
-            fn pow2(t: Self) -> Self {
-                Self(pow2(t.0))
+            fn half_pow2(t: Self) -> Self {
+                Self(half_pow2(t.0))
             }
             #[inline(always)]
             fn exponent_mantissa(self) -> (Self, Self) {
@@ -463,6 +486,10 @@ impl Real for A8 {
         eachwise!(i => if self.0[i] > o.0[i] { self.0[i] } else { o.0[i] })
     }
     #[inline(always)]
+    fn min(self, o: Self) -> Self {
+        eachwise!(i => if self.0[i] < o.0[i] { self.0[i] } else { o.0[i] })
+    }
+    #[inline(always)]
     fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self {
         eachwise!(i => if self.0[i] > limit { yes.0[i] } else { no.0[i] })
     }
@@ -475,8 +502,8 @@ impl Real for A8 {
         eachwise!(i => negate_by_bit1(self.0[i], t.0[i]))
     }
     #[inline(always)]
-    fn pow2(t: Self) -> Self {
-        eachwise!(i => pow2(t.0[i]))
+    fn half_pow2(t: Self) -> Self {
+        eachwise!(i => half_pow2(t.0[i]))
     }
     #[inline(always)]
     fn exponent_mantissa(self) -> (Self, Self) {
@@ -487,8 +514,8 @@ impl Real for A8 {
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use super::{
-        Add, Block, Div, Kernel, LANES, MANTISSA, Mul, Neg, ONE_BITS, Real, SIGN, Sub, TWO52_BITS, TWO52_PLUS_BIAS,
-        WORD_SHIFT, Word, exponent, from_word, mantissa, negate_by_bit1, odd, pow2,
+        Add, Block, Div, HALF_BITS, Kernel, LANES, MANTISSA, Mul, Neg, ONE_BITS, Real, SIGN, Sub, TWO52_BITS,
+        TWO52_PLUS_BIAS, WORD_SHIFT, Word, exponent, from_word, half_pow2, mantissa, negate_by_bit1, odd,
     };
     use core::arch::x86_64::*;
 
@@ -587,6 +614,10 @@ mod x86 {
             Self(unsafe { _mm512_max_pd(self.0, o.0) })
         }
         #[inline(always)]
+        fn min(self, o: Self) -> Self {
+            Self(unsafe { _mm512_min_pd(self.0, o.0) })
+        }
+        #[inline(always)]
         fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self {
             Self(unsafe {
                 let mask = _mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, _mm512_set1_pd(limit));
@@ -611,10 +642,10 @@ mod x86 {
             })
         }
         #[inline(always)]
-        fn pow2(t: Self) -> Self {
+        fn half_pow2(t: Self) -> Self {
             Self(unsafe {
                 let k = _mm512_slli_epi64::<52>(_mm512_castpd_si512(t.0));
-                _mm512_castsi512_pd(_mm512_add_epi64(k, _mm512_set1_epi64(ONE_BITS.cast_signed())))
+                _mm512_castsi512_pd(_mm512_add_epi64(k, _mm512_set1_epi64(HALF_BITS.cast_signed())))
             })
         }
         #[inline(always)]
@@ -696,6 +727,10 @@ mod x86 {
             Self(unsafe { _mm256_max_pd(self.0, o.0) })
         }
         #[inline(always)]
+        fn min(self, o: Self) -> Self {
+            Self(unsafe { _mm256_min_pd(self.0, o.0) })
+        }
+        #[inline(always)]
         fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self {
             Self(unsafe {
                 let mask = _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_set1_pd(limit));
@@ -720,10 +755,10 @@ mod x86 {
             })
         }
         #[inline(always)]
-        fn pow2(t: Self) -> Self {
+        fn half_pow2(t: Self) -> Self {
             Self(unsafe {
                 let k = _mm256_slli_epi64::<52>(_mm256_castpd_si256(t.0));
-                _mm256_castsi256_pd(_mm256_add_epi64(k, _mm256_set1_epi64x(ONE_BITS.cast_signed())))
+                _mm256_castsi256_pd(_mm256_add_epi64(k, _mm256_set1_epi64x(HALF_BITS.cast_signed())))
             })
         }
         #[inline(always)]
@@ -768,10 +803,11 @@ mod tests {
                 -a,
                 b.sqrt(),
                 a.max(b),
+                a.min(b),
                 a.select_gt(0.5, a, b),
                 V::select_odd(t, a, b),
                 a.negate_by_bit1(t),
-                V::pow2(t),
+                V::half_pow2(t),
                 e,
                 m,
             ];
@@ -786,16 +822,17 @@ mod tests {
         let x =
             [Block([0.0, 1.0, -1.0, 2.0, -2.5, 3.0, 7.0, -8.0]), Block([1.0, 0.3, 2.0, 4.5, 1e-300, 1e300, 0.1, 3.0])];
         let run = |isa| {
-            let mut out = [Block::ZERO; 14];
+            let mut out = [Block::ZERO; 15];
             dispatch(isa, Everything { x: &x, out: &mut out });
             out
         };
         let baseline = run(Isa::baseline());
         assert_eq!((baseline[0].0[0], baseline[0].0[4]), (0.5_f64.powi(33), 0.5 + 0.5_f64.powi(33)));
-        assert_eq!(baseline[9].0[1], 1.0);
-        assert_eq!(baseline[10].0[3], -2.0);
-        assert_eq!(baseline[11].0[7], 1.0 / 256.0);
-        assert_eq!((baseline[12].0[3], baseline[13].0[3]), (2.0, 1.125));
+        assert_eq!((baseline[7].0[1], baseline[8].0[1]), (1.0, 0.3));
+        assert_eq!(baseline[10].0[1], 1.0);
+        assert_eq!(baseline[11].0[3], -2.0);
+        assert_eq!(baseline[12].0[7], 1.0 / 512.0);
+        assert_eq!((baseline[13].0[3], baseline[14].0[3]), (2.0, 1.125));
         for isa in Isa::available() {
             assert_eq!(run(isa), baseline, "{}", isa.name());
         }

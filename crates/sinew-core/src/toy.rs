@@ -3,7 +3,7 @@
 use crate::decode::LaneDecode;
 use crate::density::{GaussNewton, GradLogDensity, LaneDensity, LaneGaussNewton, LogDensity};
 use crate::elementary::sin_cos;
-use crate::lanes::{Block, Real};
+use crate::lanes::Real;
 
 /// `log p = −½ Σ precision_j (x_j − centre_j)²`, without constant.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,10 +61,8 @@ impl GradLogDensity for Quadratic {
 }
 
 impl GaussNewton for Quadratic {
-    fn gauss_newton_diagonal_block(&self, _x: &[Block], diagonal: &mut [Block], _ws: &mut [Block]) {
-        for (d, &precision) in diagonal.iter_mut().zip(&self.precision) {
-            *d = Block::splat(precision);
-        }
+    fn gauss_newton_diagonal(&self, _x: &[f64], diagonal: &mut [f64]) {
+        diagonal.copy_from_slice(&self.precision);
     }
 }
 

@@ -10,7 +10,7 @@ use sinew_core::lanes::{Block, Isa, LANES, get_lane, set_lane, triangle};
 use sinew_core::toy::{Quadratic, Sheet};
 use std::sync::Arc;
 
-/// A decoder with what must be written and no more, by a sheet.
+/// A decoder with what must be written and no more, one state at a time, by a sheet.
 struct Bare(Lanes<Sheet>);
 
 impl Decode for Bare {
@@ -20,11 +20,11 @@ impl Decode for Bare {
     fn target_dim(&self) -> usize {
         4
     }
-    fn decode_block(&self, x: &[Block], out: &mut [Block], ws: &mut [Block]) {
-        self.0.decode_block(x, out, ws);
+    fn decode(&self, x: &[f64], out: &mut [f64]) {
+        self.0.decode(x, out);
     }
-    fn pullback_block(&self, x: &[Block], grad_out: &[Block], grad: &mut [Block], ws: &mut [Block]) {
-        self.0.pullback_block(x, grad_out, grad, ws);
+    fn pullback(&self, x: &[f64], grad_out: &[f64], grad: &mut [f64]) {
+        self.0.pullback(x, grad_out, grad);
     }
     fn encode(&self, decoded: &[f64]) -> Option<Vec<f64>> {
         self.0.encode(decoded)
@@ -58,11 +58,9 @@ impl PartLogDensity for Parts {
         self.log_density_parts_block(&(0..=part).collect::<Vec<_>>(), x, &mut factors, ws);
         Block(core::array::from_fn(|lane| factors.iter().map(|factor| factor.0[lane]).sum()))
     }
-    fn log_density_parts_block(&self, parts: &[usize], x: &[Block], out: &mut [Block], _ws: &mut [Block]) {
+    fn log_density_part(&self, part: usize, x: &[f64]) -> f64 {
         let Quadratic { centre, precision } = &self.0.leaf;
-        for (&k, out) in parts.iter().zip(out) {
-            *out = Block(x[k].0.map(|x| -0.5 * precision[k] * (x - centre[k]).powi(2)));
-        }
+        -0.5 * precision[part] * (x[part] - centre[part]).powi(2)
     }
 }
 

@@ -144,12 +144,6 @@ impl LevelWalk {
         Ok(self)
     }
 
-    /// How many parts move by action primitives, once there are enough estimates.
-    #[must_use]
-    pub fn parts_with_primitives(&self) -> usize {
-        self.levels.iter().flatten().filter(|moved| moved.primitives.is_some()).count()
-    }
-
     fn is_matching(&self) -> bool {
         !self.past.is_empty() && self.seen == self.past.len() / self.dim()
     }
@@ -343,11 +337,15 @@ mod tests {
         assert_eq!(walk.above, [vec![], vec![0], vec![0, 1, 4, 2]]);
     }
 
+    fn parts_with_primitives(walk: &LevelWalk) -> usize {
+        walk.levels.iter().flatten().filter(|moved| moved.primitives.is_some()).count()
+    }
+
     /// A third of the states stay under (8) where the whole body is proposed, and none where the part's own turn has come.
     #[test]
     fn action_primitives_move_two_states_of_three() {
         let walk = with_model(LevelPrimitives::Nested);
-        assert_eq!(walk.parts_with_primitives(), 2);
+        assert_eq!(parts_with_primitives(&walk), 2);
         let (proposed, own) = (changes(&walk, 0, 4), changes(&walk, 1, 4));
         for j in [1, 3] {
             let stayed = proposed[j].iter().filter(|change| **change == 0.0).count() as f64 / 16_000.0;
@@ -356,7 +354,7 @@ mod tests {
             assert!(own[j].iter().all(|change| *change != 0.0));
         }
         let root = with_model(LevelPrimitives::OwnParts);
-        assert_eq!(root.parts_with_primitives(), 1);
+        assert_eq!(parts_with_primitives(&root), 1);
         let left_out = changes(&root, 0, 4);
         assert!([1, 3].iter().all(|&j| left_out[j].iter().all(|change| *change == 0.0)));
         // The root walks by the model's B in any case.

@@ -63,8 +63,7 @@ pub fn read(name: &str, text: &str, skeleton: &Asf) -> Result<Amc, Error> {
         if let Some(header) = line.strip_prefix(':') {
             let in_degrees = header.eq_ignore_ascii_case("degrees");
             if (in_degrees || header.eq_ignore_ascii_case("radians")) && in_degrees != skeleton.degrees {
-                let (field, found) = ("angle unit".into(), shortened(header));
-                return Err(Error::BadValue { place: place(), field, found, expected: "that of the skeleton".into() });
+                return Err(place().bad_value("angle unit", shortened(header), "that of the skeleton"));
             }
             continue;
         }
@@ -73,23 +72,21 @@ pub fn read(name: &str, text: &str, skeleton: &Asf) -> Result<Amc, Error> {
         if let Ok(frame) = first.parse::<u64>() {
             check_complete(&slots, &seen, frames.last(), place)?;
             if frames.last().is_some_and(|last| last.number >= frame) {
-                let (field, found) = ("frame".into(), frame.to_string());
-                return Err(Error::BadValue { place: place(), field, found, expected: "above that before".into() });
+                return Err(place().bad_value("frame", frame.to_string(), "above that before"));
             }
             seen.clear();
             frames.push(AmcFrame { number: frame, values: vec![0.0; skeleton.channels()] });
             continue;
         }
         let Some(frame) = frames.last_mut() else {
-            let found = format!("`{}`", shortened(first));
-            return Err(Error::Syntax { place: place(), found, expected: "a frame number".into() });
+            return Err(place().syntax(format!("`{}`", shortened(first)), "a frame number"));
         };
         let Some((&bone, &(start, count))) = slots.get_key_value(first) else {
             let nearest = nearest(first, slots.keys().copied()).map(Into::into);
             return Err(Error::UnknownName { place: place(), what: "bone", name: shortened(first), nearest });
         };
         if seen.insert(bone, number).is_some() {
-            return Err(Error::DuplicateName { place: place(), what: "bone", name: bone.into() });
+            return Err(place().twice("bone", bone));
         }
         let values = words.map(|word| finite(place, word)).collect::<Result<Vec<f64>, Error>>()?;
         if values.len() != count {
@@ -129,7 +126,7 @@ fn check_complete(
     match slots.iter().find(|(bone, (_, count))| *count > 0 && !seen.contains_key(*bone)) {
         Some((bone, _)) => {
             let place = place().within(format!("frame {}", frame.number));
-            Err(Error::MissingField { place, field: (*bone).into() })
+            Err(place.lacks(*bone))
         }
         None => Ok(()),
     }

@@ -10,6 +10,7 @@
 //! name = "left_thigh"
 //! parent = "pelvis"
 //! offset = [-0.09, 0.0, -0.1]
+//! rest = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]   # rotation in the parent's frame where joints are at zero, rows first (none where it is missing)
 //! joints = ["rz", "ry", "rx"]
 //!
 //! [[point]]                         # keypoint layouts and markers are matched by name
@@ -27,7 +28,7 @@
 //! ratio = 1.0                       # semi-axis along y over that along x (1 where it is missing)
 //! ```
 //!
-//! `tx` is a translation along the link's x axis in metres, `rx` a rotation about it in radians. Axes are a right-handed frame of unit vectors. A solid comes after the one that it hangs on, that of the link above. Keys other than
+//! `tx` is a translation along the link's x axis in metres, `rx` a rotation about it in radians; `["t", x, y, z]` and `["r", x, y, z]` are the same along and about any other vector. Axes are a right-handed frame of unit vectors. A solid comes after the one that it hangs on, that of the link above. Keys other than
 //! these are refused. What is written reads back equal.
 //!
 //! ```
@@ -49,15 +50,6 @@ use sinew_body::flesh::{Flesh, Solid, UPWARDS};
 use sinew_body::frustum::Frustum;
 use sinew_body::{Axis, Joint, KinematicTree, Link, Point};
 use std::fmt::Write as _;
-
-const JOINTS: [(&str, Joint); 6] = [
-    ("tx", Joint::Translate(Axis::X)),
-    ("ty", Joint::Translate(Axis::Y)),
-    ("tz", Joint::Translate(Axis::Z)),
-    ("rx", Joint::Rotate(Axis::X)),
-    ("ry", Joint::Rotate(Axis::Y)),
-    ("rz", Joint::Rotate(Axis::Z)),
-];
 
 /// Links, points or solids that a body may have: two names are compared for every pair.
 const MAX_PARTS: usize = 2000;
@@ -82,11 +74,12 @@ pub fn read(name: &str, text: &str) -> Result<BodyDefinition, Error> {
     root.allow(&["link", "point", "solid"])?;
     let mut links: Vec<Link> = Vec::new();
     for table in tables(root, "link")? {
-        table.allow(&["name", "parent", "offset", "joints"])?;
+        table.allow(&["name", "parent", "offset", "rest", "joints"])?;
         let link = Link {
             name: unique_name(table, "link", links.iter().map(|link| link.name.as_str()))?,
             parent: table.get("parent").map(|value| link_named(value, "parent link", &links)).transpose()?,
             offset: offset(table)?,
+            rest: table.get("rest").map(axes).transpose()?,
             joints: joints(table)?,
         };
         links.push(link);
@@ -157,8 +150,11 @@ fn axes(value: Value<'_>) -> Result<[[f64; 3]; 3], Error> {
 fn tables<'a>(root: Table<'a>, key: &'a str) -> Result<Vec<Table<'a>>, Error> {
     let tables = root.array_of_tables(key)?;
     if tables.len() > MAX_PARTS {
-        let (field, found) = (format!("[[{key}]]"), format!("{} tables", tables.len()));
-        return Err(Error::BadValue { place: root.place(), field, found, expected: format!("at most {MAX_PARTS}") });
+        return Err(root.place().bad_value(
+            format!("[[{key}]]"),
+            format!("{} tables", tables.len()),
+            format!("at most {MAX_PARTS}"),
+        ));
     }
     Ok(tables)
 }
@@ -170,7 +166,7 @@ fn unique_name<'n>(
 ) -> Result<String, Error> {
     let name = table.string("name")?;
     if others.any(|other| other == name) {
-        return Err(Error::DuplicateName { place: table.place(), what, name });
+        return Err(table.place().twice(what, name));
     }
     Ok(name)
 }
@@ -191,12 +187,34 @@ fn offset(table: Table<'_>) -> Result<[f64; 3], Error> {
 
 fn joints(table: Table<'_>) -> Result<Vec<Joint>, Error> {
     let Some(value) = table.get("joints") else { return Ok(Vec::new()) };
-    let joint = |item: &Value<'_>| {
-        let name = item.string()?;
-        let known = JOINTS.iter().find(|(known, _)| *known == name).map(|(_, joint)| *joint);
-        known.ok_or_else(|| item.must_be("tx, ty, tz, rx, ry or rz"))
-    };
     value.items()?.iter().map(joint).collect()
+}
+
+fn joint(item: &Value<'_>) -> Result<Joint, Error> {
+    let refused = || item.must_be("tx, ty, tz, rx, ry, rz, [\"t\", x, y, z] or [\"r\", x, y, z]");
+    let Ok(parts) = item.items() else {
+        return Joint::named(&item.string()?).ok_or_else(refused);
+    };
+    let [kind, vector @ ..] = &parts[..] else { return Err(refused()) };
+    let numbers = vector.iter().map(Value::number).collect::<Result<Vec<f64>, Error>>()?;
+    let axis = <[f64; 3]>::try_from(numbers).ok().and_then(|vector| Axis::along(vector).ok()).ok_or_else(refused)?;
+    match kind.string()?.as_str() {
+        "t" => Ok(Joint::Translate(axis)),
+        "r" => Ok(Joint::Rotate(axis)),
+        _ => Err(refused()),
+    }
+}
+
+/// How a joint stands in a file.
+fn joint_text(joint: Joint) -> String {
+    joint.name().map_or_else(
+        || {
+            let kind = if matches!(joint, Joint::Translate(_)) { "t" } else { "r" };
+            let [x, y, z] = joint.axis().direction();
+            format!("[\"{kind}\", {x:?}, {y:?}, {z:?}]")
+        },
+        quoted,
+    )
 }
 
 /// Writes a body, with its solids if they are given.
@@ -210,8 +228,10 @@ pub fn write(tree: &KinematicTree, flesh: Option<&Flesh>) -> String {
         if let Some(parent) = link.parent {
             let _ = writeln!(out, "parent = {}", name_of(parent));
         }
-        let names = link.joints.iter().filter_map(|joint| JOINTS.iter().find(|(_, known)| known == joint));
-        let joints: Vec<String> = names.map(|(name, _)| quoted(name)).collect();
+        if let Some(rest) = &link.rest {
+            let _ = writeln!(out, "rest = [{}]", rest.each_ref().map(|row| array(row)).join(", "));
+        }
+        let joints: Vec<String> = link.joints.iter().map(|joint| joint_text(*joint)).collect();
         let _ = writeln!(out, "offset = {}\njoints = [{}]\n", array(&link.offset), joints.join(", "));
     }
     for point in tree.points() {
@@ -239,9 +259,13 @@ mod tests {
     #[test]
     fn faults_are_named() {
         let root = "[[link]]\nname = \"pelvis\"\n";
+        let joints = "must be tx, ty, tz, rx, ry, rz, [\"t\", x, y, z] or [\"r\", x, y, z]";
         check("", "body.toml: not a valid body");
         check("[[lnk]]\n", "body.toml:1: unknown key `lnk`; did you mean `link`?");
-        check(&format!("{root}joints = [\"rw\"]"), "body.toml:3: joints = \"rw\"; must be tx, ty, tz, rx, ry or rz");
+        check(&format!("{root}joints = [\"rw\"]"), &format!("body.toml:3: joints = \"rw\"; {joints}"));
+        let zero = format!("body.toml:3: joints = [\"r\", 0, 0, 0]; {joints}");
+        check(&format!("{root}joints = [[\"r\", 0, 0, 0]]"), &zero);
+        check(&format!("{root}rest = [[1, 0, 0]]"), "body.toml:3: rest = [[1, 0, 0]]; must be 3 arrays of 3 numbers");
         check(&format!("{root}offset = [1, 2]"), "body.toml:3: offset = [1, 2]; must be an array of 3 numbers");
         check(&format!("{root}{root}"), "body.toml:3: the link `pelvis` is there twice");
         check(&format!("{root}parent = \"hip\""), "body.toml:3: unknown parent link `hip`");

@@ -41,6 +41,7 @@
 //! # Ok::<(), sinew_formats::Error>(())
 //! ```
 
+mod body;
 pub mod export;
 mod hierarchy;
 mod reader;

@@ -11,7 +11,7 @@
 //! fisheye = false
 //! ```
 //!
-//! `distortions` are OpenCV's, as [`sinew_observe::lens`] lists them: 4, 5 or 8 numbers, or the 4 of its fisheye model where `fisheye` is
+//! `distortions` are OpenCV's, as [`sinew_observe::cameras::lens`] lists them: 4, 5 or 8 numbers, or the 4 of its fisheye model where `fisheye` is
 //! true. Cameras keep the order of the file. `[metadata]` is not a camera; unknown keys are ignored. The rotation may also be
 //! a 3 × 3 matrix: one that is orthonormal to 1e-6 is repaired silently, to 1e-3 with a warning, a worse one and a mirror
 //! image are refused. Writing and reading again gives every number bit for bit, rotations to
@@ -29,6 +29,7 @@ use crate::camera_checks;
 use crate::rotation::{Matrix, from_rodrigues, to_rodrigues};
 use crate::toml_text::{Document, Table, Value, array, key, quoted};
 use crate::{Error, Warning};
+use sinew_core::estimators::median;
 use sinew_observe::{Camera, Intrinsics, Lens};
 use std::fmt::Write as _;
 
@@ -56,7 +57,7 @@ pub fn read(name: &str, text: &str) -> Result<Calibration, Error> {
         }
     }
     if calibration.cameras.is_empty() {
-        return Err(Error::MissingField { place: document.root().place(), field: "[camera]".into() });
+        return Err(document.root().place().lacks("[camera]"));
     }
     Ok(calibration)
 }
@@ -65,7 +66,7 @@ pub fn read(name: &str, text: &str) -> Result<Calibration, Error> {
 pub(crate) fn add_camera(calibration: &mut Calibration, title: &str, table: Table<'_>) -> Result<(), Error> {
     let name = table.optional_string("name")?.unwrap_or_else(|| title.to_owned());
     if calibration.cameras.iter().any(|other| other.name == name) {
-        return Err(Error::DuplicateName { place: table.place(), what: "camera", name });
+        return Err(table.place().twice("camera", name));
     }
     let camera = camera(name, table, &mut calibration.warnings)?;
     calibration.cameras.push(camera);
@@ -150,8 +151,7 @@ pub fn write(cameras: &[Camera]) -> String {
 pub fn far_cameras(cameras: &[Camera], height_m: f64) -> Option<Warning> {
     let length = |[x, y, z]: [f64; 3]| x.hypot(y).hypot(z);
     let mut distances: Vec<f64> = cameras.iter().map(|camera| length(camera.translation)).collect();
-    distances.sort_by(f64::total_cmp);
-    let distance = distances.get(distances.len() / 2).copied()?;
+    let distance = median(&mut distances);
     (distance > 100.0 * height_m).then_some(Warning::FarCameras { distance, height: height_m })
 }
 

@@ -25,9 +25,9 @@
 use crate::calib_toml::Calibration;
 use crate::source_text::{shortened, without_mark};
 use crate::toml_text::Document;
+use crate::xml_text::Xml;
 use crate::{
     Error, Place, anipose_cameras, calib_toml, caliscope_cameras, opencv_cameras, opencv_storage, qualisys_cameras,
-    xml_text,
 };
 use sinew_observe::Camera;
 
@@ -91,9 +91,9 @@ pub fn recognised(name: &str, text: &str) -> Result<CalibrationFormat, Error> {
         return Ok(CalibrationFormat::OpenCv);
     }
     if start.starts_with('<') {
-        let root = xml_text::parse(name, text)?;
-        let found = || unknown(format!("XML with the element <{}>", shortened(root.name)));
-        return if qualisys_cameras::is_of(&root) { Ok(CalibrationFormat::Qualisys) } else { Err(found()) };
+        let xml = Xml::parse(name, text)?;
+        let found = || unknown(format!("XML with the element <{}>", shortened(xml.root().name())));
+        return if qualisys_cameras::is_of(xml.root()) { Ok(CalibrationFormat::Qualisys) } else { Err(found()) };
     }
     if start.is_empty() {
         return Err(unknown("the file is empty".into()));

@@ -72,8 +72,7 @@ pub fn read(name: &str, text: &str) -> Result<Calibration, Error> {
         }
     }
     if calibration.cameras.is_empty() {
-        let field = "[cameras.N] with matrix, rotation and translation".into();
-        return Err(Error::MissingField { place: document.root().place(), field });
+        return Err(document.root().place().lacks("[cameras.N] with matrix, rotation and translation"));
     }
     Ok(calibration)
 }

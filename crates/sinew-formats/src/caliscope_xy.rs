@@ -24,10 +24,13 @@
 //! # Ok::<(), sinew_formats::Error>(())
 //! ```
 
+use crate::csv_text::records;
 use crate::keypoint_table::{Frames, KeypointTable, TableCamera};
 use crate::openpose::{Keypoint, OpenposePerson};
-use crate::source_text::{finite_or_missing, numbered_lines, shortened};
+use crate::source_text::{finite_or_missing, shortened};
 use crate::{Error, Place, layout};
+use csv::StringRecord;
+use sinew_core::estimators::median;
 use std::collections::BTreeMap;
 
 /// Points of a person: MediaPipe's pose.
@@ -42,11 +45,10 @@ pub fn recognises(beginning: &str) -> bool {
 }
 
 /// Places of the columns: frame, camera, point, x, y.
-fn columns(name: &str, header: &str) -> Result<[usize; 5], Error> {
+fn columns(name: &str, header: &StringRecord) -> Result<[usize; 5], Error> {
     let place = |names: &[&str]| {
-        let found = header.split(',').position(|column| names.contains(&column.trim()));
-        let field = names.join("` or `");
-        found.ok_or_else(|| Error::MissingField { place: Place::file(name).at_line(1), field })
+        let found = header.iter().position(|column| names.contains(&column));
+        found.ok_or_else(|| Place::file(name).at_line(1).lacks(names.join("` or `")))
     };
     Ok([
         place(&["sync_index"])?,
@@ -62,22 +64,19 @@ fn columns(name: &str, header: &str) -> Result<[usize; 5], Error> {
 /// # Errors
 /// A column that is missing, rows that are cut, cells that are no numbers, a point that a camera has twice in a frame.
 pub fn read(name: &str, text: &str, _confidence_scale: f64) -> Result<KeypointTable, Error> {
-    let mut lines = numbered_lines(text).filter(|(_, line)| !line.trim().is_empty());
-    let (_, header) = lines.next().unwrap_or_default();
-    let places = columns(name, header)?;
-    let width = header.split(',').count();
+    let mut records = records(name, text, b',');
+    let (_, header) = records.next().transpose()?.unwrap_or_default();
+    let places = columns(name, &header)?;
     let mut cameras: BTreeMap<u64, Frames> = BTreeMap::new();
-    let time_column = header.split(',').position(|column| column.trim() == "frame_time");
+    let time_column = header.iter().position(|column| column == "frame_time");
     let mut spans: BTreeMap<u64, [(u64, f64); 2]> = BTreeMap::new();
-    let mut cells: Vec<&str> = Vec::with_capacity(width);
-    for (line, row) in lines {
+    for record in records {
+        let (line, cells) = record?;
         let place = || Place::file(name).at_line(line);
-        cells.clear();
-        cells.extend(row.split(',').map(str::trim));
-        if cells.len() != width {
-            return Err(Error::RowLength { place: place(), found: cells.len(), expected: width });
+        if cells.len() != header.len() {
+            return Err(Error::RowLength { place: place(), found: cells.len(), expected: header.len() });
         }
-        let cell = |k: usize| places.get(k).and_then(|&at| cells.get(at)).copied().unwrap_or_default();
+        let cell = |k: usize| places.get(k).and_then(|&at| cells.get(at)).unwrap_or_default();
         let (frame, camera, point) =
             (whole(place, "frame", cell(0))?, whole(place, "camera", cell(1))?, whole(place, "point", cell(2))?);
         if let Some(time_s) = time_column.and_then(|at| cells.get(at)?.parse::<f64>().ok()) {
@@ -91,8 +90,7 @@ pub fn read(name: &str, text: &str, _confidence_scale: f64) -> Result<KeypointTa
         }
         let own = frame.people.first_mut().and_then(|person| person.keypoints.get_mut(point as usize));
         if own.and_then(|own| own.replace(Keypoint { x, y, confidence: 1.0 })).is_some() {
-            let name = format!("{point} of camera {camera}");
-            return Err(Error::DuplicateName { place: place(), what: "point", name });
+            return Err(place().twice("point", format!("{point} of camera {camera}")));
         }
     }
     let camera = |(number, frames): (u64, Frames)| TableCamera { name: Some(number.to_string()), frames };
@@ -108,16 +106,15 @@ pub fn read(name: &str, text: &str, _confidence_scale: f64) -> Result<KeypointTa
 fn rate_hz(spans: impl Iterator<Item = [(u64, f64); 2]>) -> Option<f64> {
     let rates = spans.map(|[(first, start_s), (last, end_s)]| last.saturating_sub(first) as f64 / (end_s - start_s));
     let mut rates: Vec<f64> = rates.filter(|rate| *rate > 0.0 && rate.is_finite()).collect();
-    rates.sort_by(f64::total_cmp);
-    rates.get(rates.len() / 2).copied()
+    (!rates.is_empty()).then(|| median(&mut rates))
 }
 
 /// A number of a frame, camera or point; pandas writes them as `3.0` where some are missing.
 fn whole(place: impl Fn() -> Place, what: &str, cell: &str) -> Result<u64, Error> {
-    cell.strip_suffix(".0").unwrap_or(cell).parse().map_err(|_| {
-        let (found, expected) = (format!("`{}`", shortened(cell)), format!("the number of a {what}"));
-        Error::Syntax { place: place(), found, expected }
-    })
+    cell.strip_suffix(".0")
+        .unwrap_or(cell)
+        .parse()
+        .map_err(|_| place().syntax(format!("`{}`", shortened(cell)), format!("the number of a {what}")))
 }
 
 #[cfg(test)]

@@ -25,12 +25,7 @@ pub(crate) fn intrinsics(
     warnings: &mut Vec<Warning>,
 ) -> Result<Intrinsics, Error> {
     let [[fx, skew, cx], [m10, fy, cy], last] = *rows;
-    let bad = |field: &str, found: String, expected: String| Error::BadValue {
-        place: place.clone(),
-        field: field.into(),
-        found,
-        expected,
-    };
+    let bad = |field: &str, found: String, expected: String| place.clone().bad_value(field, found, expected);
     if m10 != 0.0 || last != [0.0, 0.0, 1.0] {
         return Err(bad("matrix", shortened(&format!("{rows:?}")), "[[fx, 0, cx], [0, fy, cy], [0, 0, 1]]".into()));
     }

@@ -89,12 +89,14 @@ pub fn read(name: &str, text: &str, confidence_scale: f64) -> Result<KeypointTab
 /// The frame of an image.
 fn image_number(place: &Place, image: Option<Value>) -> Result<u64, Error> {
     let Some(image) = image else {
-        return Err(Error::MissingField { place: place.clone(), field: "image_id".into() });
+        return Err(place.clone().lacks("image_id"));
     };
     frame_number_of(&image).ok_or_else(|| {
-        let (field, found) = ("image_id".into(), shortened(&image.to_string()));
-        let expected = "a whole number from 0, or a name with the frame, as \"0012.jpg\"".into();
-        Error::BadValue { place: place.clone(), field, found, expected }
+        place.clone().bad_value(
+            "image_id",
+            shortened(&image.to_string()),
+            "a whole number from 0, or a name with the frame, as \"0012.jpg\"",
+        )
     })
 }
 

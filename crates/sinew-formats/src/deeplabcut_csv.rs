@@ -26,11 +26,13 @@
 //! # Ok::<(), sinew_formats::Error>(())
 //! ```
 
+use crate::csv_text::records;
 use crate::keypoint_table::{Frames, KeypointTable};
 use crate::openpose::{OpenposeFrame, OpenposePerson, keypoint};
 use crate::point_name::known_point;
-use crate::source_text::{finite_or_missing, numbered_lines, shortened};
+use crate::source_text::{finite_or_missing, shortened};
 use crate::{Error, Layout, Place, Warning, frame_number};
+use csv::StringRecord;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Whether a file begins with such a header.
@@ -69,26 +71,28 @@ struct Header {
     single: usize,
 }
 
-fn cells(line: &str) -> Vec<&str> {
-    line.split(',').map(|cell| cell.trim().trim_matches('"')).collect()
-}
+/// A record with its line.
+type Record = Result<(usize, StringRecord), Error>;
 
 /// The rows of the header by their first cells, and the line of the last.
-type HeaderRows<'a> = (HashMap<&'a str, Vec<&'a str>>, usize);
-
-fn header_rows<'a>(name: &str, lines: &mut impl Iterator<Item = (usize, &'a str)>) -> Result<HeaderRows<'a>, Error> {
-    let mut rows: HashMap<&str, Vec<&str>> = HashMap::new();
+fn header_rows(
+    name: &str,
+    records: &mut impl Iterator<Item = Record>,
+) -> Result<(HashMap<String, StringRecord>, usize), Error> {
+    let mut rows = HashMap::new();
     let mut last = 1;
-    for (line, text) in lines {
+    for record in records {
+        let (line, row) = record?;
         last = line;
-        let row = cells(text);
-        let key = row.first().copied().unwrap_or_default();
-        if !["scorer", "individuals", "bodyparts", "coords"].contains(&key) {
-            let (found, expected) = (format!("`{}`", shortened(key)), "a row `bodyparts` and a row `coords`".into());
-            return Err(Error::Syntax { place: Place::file(name).at_line(line), found, expected });
+        let key = row.get(0).unwrap_or_default().to_owned();
+        if !["scorer", "individuals", "bodyparts", "coords"].contains(&&key[..]) {
+            return Err(Place::file(name)
+                .at_line(line)
+                .syntax(format!("`{}`", shortened(&key)), "a row `bodyparts` and a row `coords`"));
         }
+        let is_last = key == "coords";
         rows.insert(key, row);
-        if key == "coords" {
+        if is_last {
             break;
         }
     }
@@ -101,10 +105,10 @@ fn place_among<'a>(known: &mut HashMap<&'a str, usize>, name: &'a str) -> usize 
     *known.entry(name).or_insert(next)
 }
 
-fn header<'a>(name: &str, lines: &mut impl Iterator<Item = (usize, &'a str)>) -> Result<Header, Error> {
-    let (rows, last) = header_rows(name, lines)?;
+fn header(name: &str, records: &mut impl Iterator<Item = Record>) -> Result<Header, Error> {
+    let (rows, last) = header_rows(name, records)?;
     let place = || Place::file(name).at_line(last);
-    let row = |key: &str| rows.get(key).ok_or_else(|| Error::MissingField { place: place(), field: key.into() });
+    let row = |key: &str| rows.get(key).ok_or_else(|| place().lacks(key));
     let (parts, coords) = (row("bodyparts")?, row("coords")?);
     let animals = rows.get("individuals");
     for other in [Some(parts), animals].into_iter().flatten() {
@@ -113,16 +117,16 @@ fn header<'a>(name: &str, lines: &mut impl Iterator<Item = (usize, &'a str)>) ->
         }
     }
     let frame = coords.iter().skip(1).take_while(|cell| cell.is_empty()).count();
-    let is_single = |animal: &&str| animals.is_some() && *animal == SINGLE;
+    let is_single = |animal: &str| animals.is_some() && animal == SINGLE;
     let has_others = animals.is_some_and(|animals| animals.iter().skip(frame + 1).any(|animal| !is_single(animal)));
     let mut single = BTreeSet::new();
     let (mut known_parts, mut known_animals) = (HashMap::new(), HashMap::new());
     let mut groups: BTreeMap<(usize, usize), Columns> = BTreeMap::new();
     let mut points = vec![];
     for (column, coordinate) in coords.iter().enumerate().skip(frame + 1) {
-        let part = parts.get(column).copied().unwrap_or_default();
-        let animal = animals.and_then(|animals| animals.get(column)).copied().unwrap_or_default();
-        if has_others && is_single(&animal) {
+        let part = parts.get(column).unwrap_or_default();
+        let animal = animals.and_then(|animals| animals.get(column)).unwrap_or_default();
+        if has_others && is_single(animal) {
             single.insert(part);
             continue;
         }
@@ -131,15 +135,14 @@ fn header<'a>(name: &str, lines: &mut impl Iterator<Item = (usize, &'a str)>) ->
             points.push(part.to_owned());
         }
         let own = groups.entry((place_among(&mut known_animals, animal), point)).or_default();
-        let slot = match *coordinate {
+        let slot = match coordinate {
             "x" => &mut own.x,
             "y" => &mut own.y,
             "likelihood" => &mut own.likelihood,
             _ => continue,
         };
         if slot.replace(column).is_some() {
-            let name = format!("{} of {}", shortened(coordinate), shortened(part));
-            return Err(Error::DuplicateName { place: place(), what: "column", name });
+            return Err(place().twice("column", format!("{} of {}", shortened(coordinate), shortened(part))));
         }
     }
     if known_animals.len().saturating_mul(points.len()) > SPARSE + 2 * groups.len() {
@@ -160,23 +163,22 @@ fn header<'a>(name: &str, lines: &mut impl Iterator<Item = (usize, &'a str)>) ->
 /// A header without `bodyparts` or `coords`, columns that are there twice, rows that are cut, cells that are no numbers,
 /// frames without a number or there twice, likelihoods outside the declared scale.
 pub fn read(name: &str, text: &str, confidence_scale: f64) -> Result<KeypointTable, Error> {
-    let mut lines = numbered_lines(text).filter(|(_, line)| !line.trim().is_empty());
-    let header = header(name, &mut lines)?;
+    let mut records = records(name, text, b',');
+    let header = header(name, &mut records)?;
     let mut frames = Frames::new();
-    for (line, text) in lines {
+    for record in records {
+        let (line, row) = record?;
         let place = Place::file(name).at_line(line);
-        let row = cells(text);
         if row.len() != header.width {
             return Err(Error::RowLength { place, found: row.len(), expected: header.width });
         }
-        let shown = row.get(header.frame).copied().unwrap_or_default();
+        let shown = row.get(header.frame).unwrap_or_default();
         let Some(number) = frame_number::parse(shown) else {
-            let (found, expected) = (format!("`{}`", shortened(shown)), "the number of a frame".into());
-            return Err(Error::Syntax { place, found, expected });
+            return Err(place.syntax(format!("`{}`", shortened(shown)), "the number of a frame"));
         };
         let frame = frame_of(&place, &header, &row, confidence_scale)?;
         if frames.insert(number, frame).is_some() {
-            return Err(Error::DuplicateName { place, what: "frame", name: number.to_string() });
+            return Err(place.twice("frame", number.to_string()));
         }
     }
     let layout = layout(&header);
@@ -188,7 +190,7 @@ pub fn read(name: &str, text: &str, confidence_scale: f64) -> Result<KeypointTab
     })
 }
 
-fn frame_of(place: &Place, header: &Header, row: &[&str], scale: f64) -> Result<OpenposeFrame, Error> {
+fn frame_of(place: &Place, header: &Header, row: &StringRecord, scale: f64) -> Result<OpenposeFrame, Error> {
     let mut frame = OpenposeFrame::default();
     for (index, columns) in header.individuals.iter().enumerate() {
         let mut keypoints = vec![None; header.points.len()];

@@ -4,7 +4,7 @@
 //! where a truncated file ends. `NaN` outside strings, which Python writes and JSON forbids, is read as `null`;
 //! `Infinity` and numbers like `1e999` are errors.
 
-use crate::source_text::{line_at, shortened, without_mark};
+use crate::source_text::{line_at, shortened, truncated, without_mark};
 use crate::{Error, Place, frame_number};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -23,8 +23,7 @@ pub fn parse<T: DeserializeOwned>(name: &str, text: &str) -> Result<T, Error> {
     let json = if scan.nan.is_empty() { Cow::Borrowed(text) } else { Cow::Owned(nan_as_null(text, &scan.nan)) };
     serde_json::from_str(&json).map_err(|error| {
         if error.is_eof() || (scan.open != NOTHING && is_at_end(&json, &error)) {
-            let (place, offset) = (Place::file(name), text.len());
-            return Error::Truncated { place, inside: scan.open, offset, line: Some(line_at(text, offset)) };
+            return truncated(name, text, scan.open);
         }
         let place = Place::file(name);
         let line = error.line();
@@ -33,11 +32,7 @@ pub fn parse<T: DeserializeOwned>(name: &str, text: &str) -> Result<T, Error> {
         match scan.infinity {
             Some(infinity) if infinity <= line => Error::OutOfRange { place, line: infinity },
             _ if what == "number out of range" => Error::OutOfRange { place, line },
-            _ => Error::Syntax {
-                place: place.at_line(line),
-                found: shortened(what),
-                expected: "JSON of this kind".into(),
-            },
+            _ => place.at_line(line).syntax(shortened(what), "JSON of this kind"),
         }
     })
 }

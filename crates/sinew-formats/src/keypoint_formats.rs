@@ -92,16 +92,11 @@ pub fn is_frame(beginning: &str) -> bool {
 pub fn read(name: &str, text: &str, confidence_scale: f64) -> Result<KeypointTable, Error> {
     let place = Place::file(name);
     if !(confidence_scale > 0.0 && confidence_scale.is_finite()) {
-        let (field, expected) = ("confidence_scale".into(), "positive".into());
-        return Err(Error::BadValue { place, field, found: format!("{confidence_scale}"), expected });
+        return Err(place.bad_value("confidence_scale", format!("{confidence_scale}"), "positive"));
     }
     match recognised(text) {
         Some(format) => (format.read)(name, text, confidence_scale),
-        None => Err(Error::Syntax {
-            place,
-            found: "the beginning is that of no known keypoint file".into(),
-            expected: format!("a file of {}", known()),
-        }),
+        None => Err(place.syntax("the beginning is that of no known keypoint file", format!("a file of {}", known()))),
     }
 }
 

@@ -79,8 +79,7 @@ pub(crate) fn add_scored_person(
     let mut keypoints = Vec::with_capacity(points.len());
     for (point, score) in points.iter().zip(scores) {
         let &[x, y] = point.as_slice() else {
-            let (found, expected) = (format!("a point with {} coordinates", point.len()), "x and y".into());
-            return Err(Error::Syntax { place: place.clone(), found, expected });
+            return Err(place.clone().syntax(format!("a point with {} coordinates", point.len()), "x and y"));
         };
         let confidence = score.map(|score| height_as_confidence(score, scale));
         keypoints.push(keypoint(place, [x, y, confidence], scale, frame)?);

@@ -189,7 +189,7 @@ pub fn read(name: &str, text: &str) -> Result<Layout, Error> {
     let points: Vec<String> = root.strings("points")?;
     let mut seen = BTreeSet::new();
     if let Some(twice) = points.iter().find(|point| !point.is_empty() && !seen.insert(point.as_str())) {
-        return Err(Error::DuplicateName { place: Place::file(name), what: "point", name: twice.clone() });
+        return Err(Place::file(name).twice("point", twice.clone()));
     }
     let title = root.optional_string("name")?.unwrap_or_else(|| name.to_owned());
     Ok(Layout { name: title, points: points.into_iter().map(|point| (!point.is_empty()).then_some(point)).collect() })

@@ -20,7 +20,7 @@
 //! | [`c3d`] | points, analog channels and events of laboratories | yes | points |
 //! | [`bvh`] | skeleton and joint angles (Blender) | yes | yes |
 //! | [`tidy_csv`], [`point_table`] | tables with the unit in every column name | yes | yes |
-//! | [`body_toml`] | kinematic trees of our own | yes | yes |
+//! | [`body_toml`], [`urdf`] | kinematic trees: our own files, and robots (ROS); [`body_file`] reads either | yes | ours |
 //! | [`zarr`] | draws and statistics (ArviZ, xarray) | – | yes |
 //! | [`asf`], [`amc`] | Acclaim skeleton and motion | yes | – |
 //! | [`mask`] | silhouettes (PNG) | yes | yes |
@@ -44,6 +44,7 @@
 pub mod amc;
 pub mod anipose_cameras;
 pub mod asf;
+pub mod body_file;
 pub mod body_toml;
 pub mod bvh;
 pub mod c3d;
@@ -54,6 +55,7 @@ pub mod caliscope_xy;
 mod camera_checks;
 pub mod camera_name;
 pub mod coco_results;
+mod csv_text;
 pub mod deeplabcut_csv;
 mod error;
 pub mod frame_number;
@@ -84,11 +86,13 @@ pub mod rotation;
 mod row_time;
 pub mod rtmlib_json;
 pub mod source_text;
+pub mod svg;
 pub mod tidy_csv;
 mod toml_text;
 pub mod trc;
+pub mod urdf;
 mod warning;
-mod xml_text;
+pub mod xml_text;
 pub mod zarr;
 
 pub use error::Error;

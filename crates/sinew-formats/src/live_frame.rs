@@ -68,13 +68,13 @@ impl<'de> Deserialize<'de> for Entries {
 /// [`read`](crate::openpose::read) refuses of a camera.
 pub fn read(name: &str, line: &str, options: &OpenposeOptions<'_>) -> Result<LiveFrame, Error> {
     let raw: RawLine = json_text::parse(name, line)?;
-    let missing = |field: &str| Error::MissingField { place: Place::file(name), field: field.into() };
+    let missing = |field: &str| Place::file(name).lacks(field);
     let number = raw.frame.ok_or_else(|| missing("frame"))?;
     let Entries(entries) = raw.cameras.ok_or_else(|| missing("cameras"))?;
     let mut cameras: Vec<(String, Option<OpenposeFrame>)> = Vec::with_capacity(entries.len());
     for (camera, seen) in entries {
         if cameras.iter().any(|(name, _)| *name == camera) {
-            return Err(Error::DuplicateName { place: Place::file(name), what: "camera", name: camera });
+            return Err(Place::file(name).twice("camera", camera));
         }
         let place = || Place::file(name).within(format!("frame {number}, {camera}"));
         let seen = seen.map(|raw| people_of(&place(), raw, options)).transpose()?;

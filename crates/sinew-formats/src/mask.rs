@@ -12,7 +12,7 @@
 //!
 //! ```
 //! use sinew_formats::mask;
-//! use sinew_observe::bit_image::BitImage;
+//! use sinew_observe::silhouettes::bit_image::BitImage;
 //! let image = BitImage::from_fn(70, 40, |x, y| x > 20 && x < 50 && y > 10);
 //! let mut file = Vec::new();
 //! mask::write(&mut file, &image)?;
@@ -24,7 +24,7 @@
 
 use crate::png_file::{self, Samples};
 use crate::{Error, Place};
-use sinew_observe::bit_image::BitImage;
+use sinew_observe::silhouettes::bit_image::BitImage;
 use std::io::{self, Write};
 
 /// Largest mask file that is read.

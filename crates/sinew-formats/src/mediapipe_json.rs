@@ -116,7 +116,7 @@ pub fn read(name: &str, text: &str, confidence_scale: f64) -> Result<KeypointTab
     for RawFrame { number, people } in found {
         let place = Place::file(name).within(format!("frame {number}"));
         if frames.contains_key(&number) {
-            return Err(Error::DuplicateName { place, what: "frame", name: number.to_string() });
+            return Err(place.twice("frame", number.to_string()));
         }
         let frame = frames.entry(number).or_default();
         for landmarks in people {
@@ -162,10 +162,9 @@ fn is_numbered(map: &Map<String, Value>) -> bool {
 fn own_number(place: &Place, frame: &Value) -> Result<Option<u64>, Error> {
     let stated = NUMBERS.iter().find_map(|key| Some((*key, frame.get(*key).filter(|number| !number.is_null())?)));
     let Some((key, number)) = stated else { return Ok(None) };
-    frame_number_of(number).map(Some).ok_or_else(|| {
-        let (field, found) = (key.into(), shortened(&number.to_string()));
-        Error::BadValue { place: place.clone(), field, found, expected: "a whole number from 0".into() }
-    })
+    frame_number_of(number)
+        .map(Some)
+        .ok_or_else(|| place.clone().bad_value(key, shortened(&number.to_string()), "a whole number from 0"))
 }
 
 fn is_landmark(value: &Value) -> bool {
@@ -201,13 +200,13 @@ fn people(place: &Place, value: &Value) -> Result<Vec<Vec<Landmark>>, Error> {
                 if unknown.is_empty() {
                     return Ok(vec![]);
                 }
-                let found = format!("the keys `{}`", unknown.into_iter().take(LISTED).collect::<Vec<_>>().join("`, `"));
-                Err(Error::Syntax { place: place.clone(), found, expected: expected() })
+                Err(place.clone().syntax(
+                    format!("the keys `{}`", unknown.into_iter().take(LISTED).collect::<Vec<_>>().join("`, `")),
+                    expected(),
+                ))
             }
         },
-        other => {
-            Err(Error::Syntax { place: place.clone(), found: shortened(&other.to_string()), expected: expected() })
-        }
+        other => Err(place.clone().syntax(shortened(&other.to_string()), expected())),
     }
 }
 
@@ -227,8 +226,7 @@ fn is_content(key: &str, value: &Value) -> bool {
 
 fn landmark(place: &Place, value: &Value) -> Result<Landmark, Error> {
     if !is_landmark(value) {
-        let (found, expected) = (shortened(&value.to_string()), "a landmark with x and y".into());
-        return Err(Error::Syntax { place: place.clone(), found, expected });
+        return Err(place.clone().syntax(shortened(&value.to_string()), "a landmark with x and y"));
     }
     let number = |key: &str, index: usize| value.get(key).or_else(|| value.get(index)).and_then(Value::as_f64);
     Ok(Landmark { x: number("x", 0), y: number("y", 1), visibility: number("visibility", 3) })
@@ -242,8 +240,7 @@ fn add(
     scale: f64,
 ) -> Result<(), Error> {
     if landmarks.len() != POINTS {
-        let (found, expected) = (format!("{} landmarks", landmarks.len()), format!("{POINTS}"));
-        return Err(Error::Syntax { place: place.clone(), found, expected });
+        return Err(place.clone().syntax(format!("{} landmarks", landmarks.len()), format!("{POINTS}")));
     }
     let mut keypoints = Vec::with_capacity(POINTS);
     for &Landmark { x, y, visibility } in landmarks {

@@ -76,7 +76,7 @@ pub fn read(name: &str, text: &str, confidence_scale: f64) -> Result<KeypointTab
         let number = if is_image { 0 } else { entry.frame_id.unwrap_or(index as u64) };
         let place = Place::file(name).within(format!("frame {number}"));
         if !is_image && frames.contains_key(&number) {
-            return Err(Error::DuplicateName { place, what: "frame", name: number.to_string() });
+            return Err(place.twice("frame", number.to_string()));
         }
         let frame = frames.entry(number).or_default();
         for instance in entry.instances.unwrap_or_else(|| vec![entry.own]) {
@@ -114,7 +114,7 @@ pub fn read_image(name: &str, text: &str, options: &OpenposeOptions<'_>) -> Resu
 
 fn add_instance(place: &Place, frame: &mut OpenposeFrame, instance: Instance, scale: f64) -> Result<(), Error> {
     let points = instance.keypoints.unwrap_or_default();
-    let missing = || Error::MissingField { place: place.clone(), field: "keypoint_scores".into() };
+    let missing = || place.clone().lacks("keypoint_scores");
     let scores = if points.is_empty() { vec![] } else { instance.keypoint_scores.ok_or_else(missing)? };
     add_scored_person(place, frame, &points, &scores, scale)
 }

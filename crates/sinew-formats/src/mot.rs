@@ -67,8 +67,7 @@ pub fn read(name: &str, text: &str) -> Result<Mot, Error> {
     let (number, line) = lines.next().unwrap_or((0, ""));
     let names = cells(line);
     let Some((first, columns)) = names.split_first().filter(|(first, _)| first.eq_ignore_ascii_case("time")) else {
-        let found = format!("`{}`", shortened(line));
-        return Err(Error::Syntax { place: place(number), found, expected: "a table that starts with `time`".into() });
+        return Err(place(number).syntax(format!("`{}`", shortened(line)), "a table that starts with `time`"));
     };
     let mut mot = Mot {
         title: header.title.unwrap_or_default(),
@@ -126,8 +125,7 @@ impl HeaderLines {
             }
             header.take(|| Place::file(name).at_line(number), line)?;
         }
-        let (found, expected) = ("the file ends".into(), "a line `endheader`".into());
-        Err(Error::Syntax { place: Place::file(name), found, expected })
+        Err(Place::file(name).syntax("the file ends", "a line `endheader`"))
     }
 
     fn take(&mut self, place: impl Fn() -> Place, line: &str) -> Result<(), Error> {
@@ -140,12 +138,7 @@ impl HeaderLines {
                 return Ok(());
             }
         };
-        let bad = |expected: &str| Error::BadValue {
-            place: place(),
-            field: shortened(key),
-            found: shortened(value),
-            expected: expected.into(),
-        };
+        let bad = |expected: &str| place().bad_value(shortened(key), shortened(value), expected);
         match key.to_ascii_lowercase().as_str() {
             "nrows" | "datarows" => self.rows = Some(value.parse().map_err(|_| bad("a count"))?),
             "ncolumns" | "datacolumns" => self.columns = Some(value.parse().map_err(|_| bad("a count"))?),

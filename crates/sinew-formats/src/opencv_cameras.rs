@@ -103,7 +103,7 @@ pub fn read(name: &str, text: &str) -> Result<Calibration, Error> {
     for found in cameras(name, &root)? {
         let place = Place::file(name).at_line(found.line).within(&found.name);
         if calibration.cameras.iter().any(|camera| camera.name == found.name) {
-            return Err(Error::DuplicateName { place, what: "camera", name: found.name });
+            return Err(place.twice("camera", found.name));
         }
         calibration.cameras.push(camera(place, found, &mut calibration.warnings)?);
     }
@@ -115,11 +115,8 @@ pub fn read(name: &str, text: &str) -> Result<Calibration, Error> {
 fn stated_unit(file: &str, node: &Node) -> Result<Option<LengthUnit>, Error> {
     let text = node.text().unwrap_or_default();
     let unit = LengthUnit::named(text);
-    unit.map(Some).ok_or_else(|| Error::BadValue {
-        place: Place::file(file).at_line(node.line),
-        field: "unit".into(),
-        found: format!("\"{}\"", shortened(text)),
-        expected: length_unit::NAMES.into(),
+    unit.map(Some).ok_or_else(|| {
+        Place::file(file).at_line(node.line).bad_value("unit", format!("\"{}\"", shortened(text)), length_unit::NAMES)
     })
 }
 
@@ -145,14 +142,13 @@ fn cameras(file: &str, root: &Node) -> Result<Vec<Found>, Error> {
         let stem = stem.split('.').next().filter(|stem| !stem.is_empty()).unwrap_or(stem);
         return Ok(vec![by_fields(file, root, stem)?]);
     }
-    let field = "cameras (or Ks, names, M1, camera_matrix)".into();
-    Err(Error::MissingField { place: Place::file(file), field })
+    Err(Place::file(file).lacks("cameras (or Ks, names, M1, camera_matrix)"))
 }
 
 fn required<'n>(file: &str, node: &'n Node, keys: &[&str], within: &str) -> Result<&'n Node, Error> {
     node.first(keys).ok_or_else(|| {
         let place = Place::file(file).at_line(node.line).within(within);
-        Error::MissingField { place, field: keys.first().copied().unwrap_or_default().into() }
+        place.lacks(keys.first().copied().unwrap_or_default())
     })
 }
 
@@ -185,7 +181,7 @@ fn by_name(file: &str, root: &Node, name: &str) -> Result<Found, Error> {
     let numbers = |fields: [&str; 2]| {
         let node = fields.into_iter().find_map(optional).ok_or_else(|| {
             let field = format!("{}_{name}", fields[0]);
-            Error::MissingField { place: Place::file(file), field: shortened(&field) }
+            Place::file(file).lacks(shortened(&field))
         })?;
         node.numbers(file, name)
     };
@@ -269,11 +265,8 @@ fn stereo(file: &str, root: &Node) -> Result<Vec<Found>, Error> {
 }
 
 fn camera(place: Place, found: Found, warnings: &mut Vec<Warning>) -> Result<Camera, Error> {
-    let bad = |field: &str, numbers: &[f64], expected: String| Error::BadValue {
-        place: place.clone(),
-        field: field.into(),
-        found: shortened(&format!("{numbers:?}")),
-        expected,
+    let bad = |field: &str, numbers: &[f64], expected: String| {
+        place.clone().bad_value(field, shortened(&format!("{numbers:?}")), expected)
     };
     let matrix = camera_checks::rows(&found.matrix);
     let matrix: Matrix = matrix.ok_or_else(|| bad("camera_matrix", &found.matrix, "9 numbers, rows first".into()))?;

@@ -12,17 +12,19 @@
 //!    - "left"
 //! ```
 //!
-//! The YAML is that which OpenCV writes: maps and lists by indentation, lists and maps in brackets, texts with and without
-//! quotes, comments; no anchors, no blocks of text. A matrix is a map with its numbers in `data`, rows first.
+//! A matrix is a map with its numbers in `data`, rows first.
 
 mod node;
 mod yaml;
 
 use crate::source_text::{shortened, without_mark};
-use crate::xml_text::{self, Element, unescaped};
+use crate::xml_text::{Element, Xml, unescaped};
 use crate::{Error, Place};
 pub(crate) use node::Node;
 use node::Value;
+
+/// Nesting allowed; calibrations need four levels.
+const MAX_DEPTH: usize = 100;
 
 /// Outermost element of the XML form.
 const ROOT: &str = "opencv_storage";
@@ -40,33 +42,39 @@ pub(crate) fn parse(name: &str, text: &str) -> Result<Node, Error> {
     if !without_mark(text).trim_start().starts_with('<') {
         return yaml::parse(name, text);
     }
-    let root = xml_text::parse(name, text)?;
-    if root.name == ROOT {
-        return Ok(from_xml(&root));
+    let xml = Xml::parse(name, text)?;
+    let root = xml.root();
+    if root.name() == ROOT {
+        return from_xml(name, root, 0);
     }
-    Err(Error::Syntax {
-        place: Place::file(name).at_line(root.line),
-        found: format!("<{}>", shortened(root.name)),
-        expected: format!("<{ROOT}>"),
-    })
+    Err(Place::file(name).at_line(root.line()).syntax(format!("<{}>", shortened(root.name())), format!("<{ROOT}>")))
 }
 
-fn from_xml(element: &Element<'_>) -> Node {
-    let line = element.line;
-    if element.children.is_empty() && element.name != ROOT {
-        let mut items = tokens(&element.text);
+fn from_xml(file: &str, element: Element<'_>, depth: usize) -> Result<Node, Error> {
+    let line = element.line();
+    check_depth(file, line, depth)?;
+    if element.children().next().is_none() && depth > 0 {
+        let mut items = tokens(&element.written_text());
         let scalar = |text| Node { line, value: Value::Scalar(text) };
-        return match items.len() {
+        return Ok(match items.len() {
             1 => scalar(items.remove(0)),
             _ => Node { line, value: Value::List(items.into_iter().map(scalar).collect()) },
-        };
+        });
     }
-    let value = if element.children.iter().all(|child| child.name == "_") && element.name != ROOT {
-        Value::List(element.children.iter().map(from_xml).collect())
+    let inner = |child| from_xml(file, child, depth + 1);
+    let value = if depth > 0 && element.children().all(|child| child.name() == "_") {
+        Value::List(element.children().map(inner).collect::<Result<_, _>>()?)
     } else {
-        Value::Map(element.children.iter().map(|child| (child.name.to_owned(), from_xml(child))).collect())
+        Value::Map(
+            element.children().map(|child| Ok((child.name().to_owned(), inner(child)?))).collect::<Result<_, _>>()?,
+        )
     };
-    Node { line, value }
+    Ok(Node { line, value })
+}
+
+fn check_depth(file: &str, line: usize, depth: usize) -> Result<(), Error> {
+    let place = || Place::file(file).at_line(line);
+    if depth < MAX_DEPTH { Ok(()) } else { Err(Error::TooDeep { place: place(), limit: MAX_DEPTH }) }
 }
 
 /// Words of a text; what stands in quotes is one.

@@ -149,10 +149,9 @@ pub fn read(name: &str, text: &str, options: &OpenposeOptions<'_>) -> Result<Ope
 pub(crate) fn people_of(place: &Place, raw: RawFile, options: &OpenposeOptions<'_>) -> Result<OpenposeFrame, Error> {
     let scale = options.confidence_scale;
     if !(scale > 0.0 && scale.is_finite()) {
-        let (field, expected) = ("confidence_scale".into(), "positive".into());
-        return Err(Error::BadValue { place: place.clone(), field, found: format!("{scale}"), expected });
+        return Err(place.clone().bad_value("confidence_scale", format!("{scale}"), "positive"));
     }
-    let people = raw.people.ok_or_else(|| Error::MissingField { place: place.clone(), field: "people".into() })?;
+    let people = raw.people.ok_or_else(|| place.clone().lacks("people"))?;
     let mut out = OpenposeFrame::default();
     for (index, person) in people.into_iter().enumerate() {
         let numbers = person.pose_keypoints_2d.unwrap_or_default();

@@ -11,7 +11,7 @@
 //! # Ok::<(), sinew_formats::Error>(())
 //! ```
 
-use crate::xml_text::{Element, parse};
+use crate::xml_text::Xml;
 use crate::{Error, Place};
 
 /// Names in a model.
@@ -28,23 +28,19 @@ pub struct OsimModel {
 /// # Errors
 /// XML that is malformed, and a document that is no model or has no bodies.
 pub fn read(name: &str, text: &str) -> Result<OsimModel, Error> {
-    let root = parse(name, text)?;
-    let missing = |field: &str| Error::MissingField { place: Place::file(name), field: field.into() };
-    let model = root.named("Model").next().filter(|_| root.name == "OpenSimDocument");
+    let xml = Xml::parse(name, text)?;
+    let root = xml.root();
+    let missing = |field: &str| Place::file(name).lacks(field);
+    let model = root.named("Model").next().filter(|_| root.name() == "OpenSimDocument");
     let model = model.ok_or_else(|| missing("<OpenSimDocument> with <Model>"))?;
     let mut found = OsimModel::default();
-    // Elements nest as deeply as the reader of XML allows, so a stack of ours stands for calls.
-    let mut pending: Vec<&Element<'_>> = vec![model];
-    while let Some(element) = pending.pop() {
-        let names = match element.name {
-            "Body" => Some(&mut found.bodies),
-            "Coordinate" => Some(&mut found.coordinates),
-            _ => None,
+    for element in model.descendants() {
+        let names = match element.name() {
+            "Body" => &mut found.bodies,
+            "Coordinate" => &mut found.coordinates,
+            _ => continue,
         };
-        if let Some((names, name)) = names.zip(element.attribute("name")) {
-            names.push(name);
-        }
-        pending.extend(element.children.iter().rev());
+        names.extend(element.attribute("name").map(String::from));
     }
     if found.bodies.is_empty() { Err(missing("<Body name=\"…\">")) } else { Ok(found) }
 }

@@ -40,8 +40,7 @@ pub fn read(name: &str, bytes: &[u8]) -> Result<RgbImage, Error> {
     if bytes.starts_with(b"\xFF\xD8\xFF") {
         return read_jpeg(name, bytes);
     }
-    let (found, expected) = ("neither PNG nor JPEG".into(), "a picture of one of them".into());
-    Err(Error::Syntax { place: Place::file(name), found, expected })
+    Err(Place::file(name).syntax("neither PNG nor JPEG", "a picture of one of them"))
 }
 
 fn from_samples(samples: Samples) -> RgbImage {
@@ -63,7 +62,7 @@ fn read_jpeg(name: &str, bytes: &[u8]) -> Result<RgbImage, Error> {
             DecodeErrors::ExhaustedData | DecodeErrors::IoErrors(_) => {
                 Error::Truncated { place, inside: "the pixels", offset: bytes.len(), line: None }
             }
-            error => Error::Syntax { place, found: error.to_string(), expected: "a whole JPEG file".into() },
+            error => place.syntax(error.to_string(), "a whole JPEG file"),
         }
     };
     let options = DecoderOptions::default()

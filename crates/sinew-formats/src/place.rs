@@ -8,6 +8,7 @@
 //! assert_eq!(Place::file("markers.trc").to_string(), "markers.trc");
 //! ```
 
+use crate::Error;
 use std::fmt;
 
 /// File, line and part of a file, for messages.
@@ -40,6 +41,31 @@ impl Place {
     pub fn within(mut self, within: impl Into<String>) -> Self {
         self.within = Some(within.into().into_boxed_str());
         self
+    }
+
+    /// The error that something else stands here.
+    pub(crate) fn syntax(self, found: impl Into<String>, expected: impl Into<String>) -> Error {
+        Error::Syntax { place: self, found: found.into(), expected: expected.into() }
+    }
+
+    /// The error that a field has a value that it must not have.
+    pub(crate) fn bad_value(
+        self,
+        field: impl Into<String>,
+        found: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Error {
+        Error::BadValue { place: self, field: field.into(), found: found.into(), expected: expected.into() }
+    }
+
+    /// The error that a field is missing.
+    pub(crate) fn lacks(self, field: impl Into<String>) -> Error {
+        Error::MissingField { place: self, field: field.into() }
+    }
+
+    /// The error that a name is there twice.
+    pub(crate) fn twice(self, what: &'static str, name: impl Into<String>) -> Error {
+        Error::DuplicateName { place: self, what, name: name.into() }
     }
 }
 

@@ -42,11 +42,7 @@ pub(crate) fn check_pixels(name: &str, width: u32, height: u32) -> Result<(), Er
 /// Decodes a file.
 pub(crate) fn read(name: &str, bytes: &[u8]) -> Result<Samples, Error> {
     check_chunks(name, bytes)?;
-    let broken = |error: &DecodingError| Error::Syntax {
-        place: Place::file(name),
-        found: error.to_string(),
-        expected: EXPECTED.into(),
-    };
+    let broken = |error: &DecodingError| Place::file(name).syntax(error.to_string(), EXPECTED);
     let mut decoder = png::Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: WORKSPACE_BYTES });
     let info = decoder.read_header_info().map_err(|error| broken(&error))?;
     let (width, height, bits, is_indexed) =
@@ -90,7 +86,7 @@ fn check_chunks(name: &str, bytes: &[u8]) -> Result<(), Error> {
         }
         let found =
             if bytes.starts_with(b"\xFF\xD8\xFF") { "a JPEG file".to_owned() } else { "no PNG file".to_owned() };
-        return Err(Error::Syntax { place: Place::file(name), found, expected: EXPECTED.into() });
+        return Err(Place::file(name).syntax(found, EXPECTED));
     }
     let mut at = SIGNATURE.len();
     loop {
@@ -101,8 +97,7 @@ fn check_chunks(name: &str, bytes: &[u8]) -> Result<(), Error> {
         // Length, kind and checksum are four bytes each.
         let end = at.saturating_add(12).saturating_add(length);
         if !kind.iter().all(u8::is_ascii_alphabetic) {
-            let (found, expected) = (format!("no chunk at byte {}", Count(at as u64)), EXPECTED.into());
-            return Err(Error::Syntax { place: Place::file(name), found, expected });
+            return Err(Place::file(name).syntax(format!("no chunk at byte {}", Count(at as u64)), EXPECTED));
         }
         if end > bytes.len() {
             return Err(cut(match kind {

@@ -50,7 +50,7 @@ pub fn write_frame(out: &mut impl Write, time_s: f64, points: &[Option<[f64; 3]>
 /// # Errors
 /// No column `time_s`, a time that is missing, no points, a point with fewer than three coordinates.
 pub fn from_numbers(name: &str, table: &Numbers) -> Result<PointTable, Error> {
-    let missing = |field: &str| Error::MissingField { place: Place::file(name), field: field.into() };
+    let missing = |field: &str| Place::file(name).lacks(field);
     let time = table.column("time_s").ok_or_else(|| missing("time_s"))?;
     let names: Vec<String> =
         table.columns.iter().filter_map(|column| Some(column.strip_suffix("_x_m")?.into())).collect();
@@ -69,7 +69,7 @@ pub fn from_numbers(name: &str, table: &Numbers) -> Result<PointTable, Error> {
     for (index, row) in table.rows.iter().enumerate() {
         let value = |column: usize| row.get(column).copied().filter(|value| !value.is_nan());
         let place = || Place::file(name).within(format!("row {}", index + 1));
-        let time_s = value(time).ok_or_else(|| Error::MissingField { place: place(), field: "time_s".into() })?;
+        let time_s = value(time).ok_or_else(|| place().lacks("time_s"))?;
         out.time_s.push(time_s);
         let point = |&[x, y, z]: &[usize; 3]| Some([value(x)?, value(y)?, value(z)?]);
         out.frames.push(triples.iter().map(point).collect());

@@ -37,9 +37,9 @@ use crate::calib_toml::Calibration;
 use crate::numbers::plain;
 use crate::rotation::{Matrix, apply};
 use crate::source_text::finite;
-use crate::xml_text::{Element, escaped, parse};
+use crate::xml_text::{Element, Xml, escaped};
 use crate::{Error, Place, Warning, camera_checks};
-use sinew_observe::lens::{Brown, Distortion};
+use sinew_observe::cameras::lens::{Brown, Distortion};
 use sinew_observe::{Camera, Intrinsics};
 use std::fmt::Write as _;
 
@@ -50,14 +50,14 @@ const SUBPIXELS: f64 = 64.0;
 const MILLIMETRES: f64 = 1000.0;
 
 /// Whether the element, or one in it, is of this format.
-pub(crate) fn is_of(root: &Element<'_>) -> bool {
+pub(crate) fn is_of(root: Element<'_>) -> bool {
     calibration(root).is_some()
 }
 
-fn calibration<'s, 'a>(root: &'s Element<'a>) -> Option<&'s Element<'a>> {
+fn calibration(root: Element<'_>) -> Option<Element<'_>> {
     let has_cameras =
-        |element: &&Element<'_>| element.name == "calibration" && element.named("cameras").next().is_some();
-    std::iter::once(root).chain(&root.children).find(has_cameras)
+        |element: &Element<'_>| element.name() == "calibration" && element.named("cameras").next().is_some();
+    std::iter::once(root).chain(root.children()).find(has_cameras)
 }
 
 /// Reads the cameras that are active and film.
@@ -66,19 +66,19 @@ fn calibration<'s, 'a>(root: &'s Element<'a>) -> Option<&'s Element<'a>> {
 /// XML that is malformed, no active camera with a `fov_video`, and for each camera: missing elements and attributes,
 /// numbers that are no numbers or out of range, sub-pixels of another size, a rotation that is none.
 pub fn read(name: &str, text: &str) -> Result<Calibration, Error> {
-    let root = parse(name, text)?;
-    let missing = |field: &str| Error::MissingField { place: Place::file(name), field: field.into() };
-    let cameras = calibration(&root).ok_or_else(|| missing("<calibration> with <cameras>"))?;
+    let xml = Xml::parse(name, text)?;
+    let missing = |field: &str| Place::file(name).lacks(field);
+    let cameras = calibration(xml.root()).ok_or_else(|| missing("<calibration> with <cameras>"))?;
     let mut read = Calibration::default();
     for element in cameras.named("cameras").flat_map(|cameras| cameras.named("camera")) {
-        let serial = attribute(name, element, "serial", "camera")?;
-        let place = Place::file(name).at_line(element.line).within(&serial);
+        let serial = attribute(name, element, "serial", "camera")?.to_owned();
+        let place = Place::file(name).at_line(element.line()).within(&serial);
         if let Some(why) = why_left_out(element) {
             read.warnings.push(Warning::CameraLeftOut { place, camera: serial, why });
             continue;
         }
         if read.cameras.iter().any(|camera| camera.name == serial) {
-            return Err(Error::DuplicateName { place, what: "camera", name: serial });
+            return Err(place.twice("camera", serial));
         }
         read.cameras.push(camera(name, serial, element, &mut read.warnings)?);
     }
@@ -88,7 +88,7 @@ pub fn read(name: &str, text: &str) -> Result<Calibration, Error> {
     Ok(read)
 }
 
-fn why_left_out(camera: &Element<'_>) -> Option<&'static str> {
+fn why_left_out(camera: Element<'_>) -> Option<&'static str> {
     let is = |attribute: &str, value: &str| camera.attribute(attribute).is_some_and(|found| found == value);
     if is("active", "0") {
         Some("it is not active")
@@ -101,28 +101,28 @@ fn why_left_out(camera: &Element<'_>) -> Option<&'static str> {
     }
 }
 
-fn attribute(name: &str, element: &Element<'_>, key: &str, within: &str) -> Result<String, Error> {
-    let place = || Place::file(name).at_line(element.line).within(within);
-    element.attribute(key).ok_or_else(|| Error::MissingField { place: place(), field: key.into() })
+fn attribute<'x>(name: &str, element: Element<'x>, key: &str, within: &str) -> Result<&'x str, Error> {
+    let place = || Place::file(name).at_line(element.line()).within(within);
+    element.attribute(key).ok_or_else(|| place().lacks(key))
 }
 
 /// An element of a camera, whose attributes are numbers.
 struct Numbers<'a> {
-    element: &'a Element<'a>,
+    element: Element<'a>,
     file: &'a str,
     camera: &'a str,
 }
 
 impl<'a> Numbers<'a> {
-    fn of(file: &'a str, camera: &'a str, element: &'a Element<'a>, name: &'a str) -> Result<Self, Error> {
-        let place = || Place::file(file).at_line(element.line).within(camera);
+    fn of(file: &'a str, camera: &'a str, element: Element<'a>, name: &'a str) -> Result<Self, Error> {
+        let place = || Place::file(file).at_line(element.line()).within(camera);
         let element = element.named(name).next();
-        let element = element.ok_or_else(|| Error::MissingField { place: place(), field: format!("<{name}>") })?;
+        let element = element.ok_or_else(|| place().lacks(format!("<{name}>")))?;
         Ok(Self { element, file, camera })
     }
 
     fn place(&self) -> Place {
-        Place::file(self.file).at_line(self.element.line).within(self.camera)
+        Place::file(self.file).at_line(self.element.line()).within(self.camera)
     }
 
     fn get(&self, key: &str) -> Result<f64, Error> {
@@ -138,17 +138,16 @@ impl<'a> Numbers<'a> {
     }
 }
 
-fn camera(file: &str, serial: String, element: &Element<'_>, warnings: &mut Vec<Warning>) -> Result<Camera, Error> {
+fn camera(file: &str, serial: String, element: Element<'_>, warnings: &mut Vec<Warning>) -> Result<Camera, Error> {
     let video = Numbers::of(file, &serial, element, "fov_video")?;
     let [left, top, right, bottom] = video.all(["left", "top", "right", "bottom"])?;
     let size = [right - left + 1.0, bottom - top + 1.0];
     if !size.iter().all(|&pixels| pixels > 0.0) {
-        return Err(Error::BadValue {
-            place: video.place(),
-            field: "fov_video".into(),
-            found: format!("left {left}, top {top}, right {right}, bottom {bottom}"),
-            expected: "right of left and below top".into(),
-        });
+        return Err(video.place().bad_value(
+            "fov_video",
+            format!("left {left}, top {top}, right {right}, bottom {bottom}"),
+            "right of left and below top",
+        ));
     }
     let optics = Numbers::of(file, &serial, element, "intrinsic")?;
     check_subpixels(element, &optics, right)?;
@@ -164,7 +163,7 @@ fn camera(file: &str, serial: String, element: &Element<'_>, warnings: &mut Vec<
     let rotation = camera_checks::rotation(transform.place(), &rows, warnings)?;
     let centre = transform.all(["x", "y", "z"])?.map(|length| length / MILLIMETRES);
     if element.attribute("viewrotation").is_some() {
-        let place = Place::file(file).at_line(element.line).within(&serial);
+        let place = Place::file(file).at_line(element.line()).within(&serial);
         let turned = attribute(file, element, "viewrotation", &serial)?;
         let degrees = finite(|| place.clone(), turned.trim())?;
         if degrees != 0.0 {
@@ -187,7 +186,7 @@ fn looking_along_z([right, up, back]: Matrix) -> Matrix {
 }
 
 /// Refuses files whose sensor has not [`SUBPIXELS`] to a pixel of the video, such as those in pixels that Theia writes.
-fn check_subpixels(element: &Element<'_>, optics: &Numbers<'_>, right: f64) -> Result<(), Error> {
+fn check_subpixels(element: Element<'_>, optics: &Numbers<'_>, right: f64) -> Result<(), Error> {
     if optics.element.attribute("sensorMaxU").is_none() {
         return Ok(());
     }
@@ -197,12 +196,11 @@ fn check_subpixels(element: &Element<'_>, optics: &Numbers<'_>, right: f64) -> R
     if (SUBPIXELS - 1.0..=SUBPIXELS + 1.0).contains(&(sensor / pixels)) {
         return Ok(());
     }
-    Err(Error::BadValue {
-        place: optics.place(),
-        field: "sensorMaxU".into(),
-        found: sensor.to_string(),
-        expected: format!("{SUBPIXELS} for each of the {pixels} pixels of the video"),
-    })
+    Err(optics.place().bad_value(
+        "sensorMaxU",
+        sensor.to_string(),
+        format!("{SUBPIXELS} for each of the {pixels} pixels of the video"),
+    ))
 }
 
 /// Writes a calibration that [`read`] and programs that know Qualisys read.

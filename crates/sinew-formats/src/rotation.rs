@@ -142,15 +142,6 @@ pub fn to_zyx(&[[a, b, _], [d, e, _], [g, h, i]]: &Matrix) -> [f64; 3] {
     [d.atan2(a), (-g).atan2(cos_y), h.atan2(i)]
 }
 
-/// Angles `[x, y, z]` in radians with `R = R_x R_y R_z`, the order of OpenSim's pelvis, hips and shoulders (flexion,
-/// adduction, rotation) in our axes; y lies in \[−π/2, π/2\], and x is 0 where x and z cannot be distinguished.
-#[must_use]
-pub fn to_xyz(m: &Matrix) -> [f64; 3] {
-    // The transpose is R_z(−z) R_y(−y) R_x(−x).
-    let [z, y, x] = to_zyx(&transpose(m));
-    [-x, -y, -z]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -194,9 +185,6 @@ mod tests {
                 |[z, y, x]: [f64; 3]| product(&product(&about_axis(2, z), &about_axis(1, y)), &about_axis(0, x));
             let m = build([z, y, x]);
             assert!(distance(&m, &build(to_zyx(&m))) < 1e-9, "{z} {y} {x}");
-            let [x, y, z] = to_xyz(&m);
-            let rebuilt = product(&product(&about_axis(0, x), &about_axis(1, y)), &about_axis(2, z));
-            assert!(distance(&m, &rebuilt) < 1e-9, "{z} {y} {x}");
         }
     }
 }

@@ -67,11 +67,11 @@ pub fn read(name: &str, text: &str, confidence_scale: f64) -> Result<KeypointTab
         let number = frame.unwrap_or(index as u64);
         let place = Place::file(name).within(format!("frame {number}"));
         if frames.contains_key(&number) {
-            return Err(Error::DuplicateName { place, what: "frame", name: number.to_string() });
+            return Err(place.twice("frame", number.to_string()));
         }
         let frame = frames.entry(number).or_default();
         let people = keypoints.unwrap_or_default();
-        let missing = || Error::MissingField { place: place.clone(), field: "scores".into() };
+        let missing = || place.clone().lacks("scores");
         let scores = if people.is_empty() { vec![] } else { scores.ok_or_else(missing)? };
         if scores.len() != people.len() {
             return Err(Error::RowLength { place, found: scores.len(), expected: people.len() });

@@ -56,6 +56,26 @@ pub(crate) fn line_at(text: &str, offset: usize) -> usize {
     1 + text.bytes().take(offset).filter(|&b| b == b'\n').count()
 }
 
+/// The error of a text that ends too early.
+pub(crate) fn truncated(name: &str, text: &str, inside: &'static str) -> Error {
+    truncated_in_line(name, text, inside, line_at(text, text.len()))
+}
+
+/// The same for what began in an earlier line.
+pub(crate) fn truncated_in_line(name: &str, text: &str, inside: &'static str, line: usize) -> Error {
+    Error::Truncated { place: Place::file(name), inside, offset: text.len(), line: Some(line) }
+}
+
+/// The error of a text that breaks a grammar in a line, counted from 1, behind that many characters of it.
+pub(crate) fn malformed(name: &str, text: &str, [line, before]: [usize; 2], expected: &str) -> Error {
+    let mut lines = text.lines().skip(line.saturating_sub(1));
+    let found: String = lines.next().unwrap_or_default().chars().skip(before).collect();
+    if found.trim().is_empty() && lines.all(|line| line.trim().is_empty()) {
+        return truncated(name, text, "a value");
+    }
+    Place::file(name).at_line(line).syntax(format!("`{}`", shortened(found.trim())), expected)
+}
+
 /// Lines with their numbers from 1, without line ends.
 pub(crate) fn numbered_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
     without_mark(text).lines().enumerate().map(|(i, line)| (i + 1, line.trim_end_matches('\r')))
@@ -81,9 +101,7 @@ pub(crate) fn finite(place: impl FnOnce() -> Place, cell: &str) -> Result<f64, E
             Err(Error::OutOfRange { place: Place { line: None, ..place }, line })
         }
         Err(_) if has_decimal_comma(cell) => Err(Error::DecimalComma { place: place(), found: shortened(cell) }),
-        Err(_) => {
-            Err(Error::Syntax { place: place(), found: format!("`{}`", shortened(cell)), expected: "a number".into() })
-        }
+        Err(_) => Err(place().syntax(format!("`{}`", shortened(cell)), "a number")),
     }
 }
 

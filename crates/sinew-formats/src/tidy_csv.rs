@@ -18,6 +18,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+use crate::csv_text::records;
 use crate::numbers::write_number;
 use crate::source_text::{finite_or_missing, shortened, without_mark};
 use crate::{Error, Place};
@@ -93,21 +94,20 @@ pub fn write_row(out: &mut impl Write, cells: &[Cell<'_>]) -> io::Result<()> {
         match *cell {
             Cell::Number(value) => write_number(out, value)?,
             Cell::Integer(value) => write!(out, "{value}")?,
-            Cell::Text(text) => write_text(out, text, cells.len() == 1)?,
+            // It would look like a blank line.
+            Cell::Text("") if cells.len() == 1 => write!(out, "\"\"")?,
+            Cell::Text(text) => write!(out, "{}", quoted(text))?,
             Cell::Empty => {}
         }
     }
     writeln!(out)
 }
 
-/// Writes text, quoted where it could be misread: an only cell that is blank would look like a blank line.
-fn write_text(out: &mut impl Write, text: &str, only: bool) -> io::Result<()> {
+/// A text as a cell, quoted where it could be misread.
+#[must_use]
+pub fn quoted(text: &str) -> String {
     let odd = text.contains([',', ';', '\t', '"', '\n', '\r']) || text.trim() != text || text.starts_with('\u{feff}');
-    if odd || (only && text.is_empty()) {
-        write!(out, "\"{}\"", text.replace('"', "\"\""))
-    } else {
-        write!(out, "{text}")
-    }
+    if odd { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
 /// Reads a file as text.
@@ -121,24 +121,25 @@ pub fn read_cells(name: &str, text: &str) -> Result<Cells, Error> {
     let count = |separator: char| outside.clone().map(|part| part.matches(separator).count()).sum::<usize>();
     let separator =
         [',', ';', '\t'].into_iter().max_by_key(|&separator| (count(separator), separator == ',')).unwrap_or(',');
-    let mut records = records(name, text, separator)?.into_iter();
-    let Some((_, columns)) = records.next() else {
-        let (found, expected) = ("the file is empty".into(), "a header".into());
-        return Err(Error::Syntax { place: Place::file(name), found, expected });
+    let mut records = records(name, text, separator as u8);
+    let Some((_, header)) = records.next().transpose()? else {
+        return Err(Place::file(name).syntax("the file is empty", "a header"));
     };
     let mut rows = Vec::new();
-    for (line, row) in records {
-        if row.len() != columns.len() {
+    for record in records {
+        let (line, row) = record?;
+        if row.len() != header.len() {
             let place = Place::file(name).at_line(line);
-            let whole = |cell: &String| cell.parse::<i64>().is_ok();
-            if row.len() > columns.len() && separator == ',' && row.iter().all(whole) {
-                let found = row.iter().take(2).map(String::as_str).collect::<Vec<_>>().join(",");
+            let whole = |cell: &str| cell.parse::<i64>().is_ok();
+            if row.len() > header.len() && separator == ',' && row.iter().all(whole) {
+                let found = row.iter().take(2).collect::<Vec<_>>().join(",");
                 return Err(Error::DecimalComma { place, found: shortened(&found) });
             }
-            return Err(Error::RowLength { place, found: row.len(), expected: columns.len() });
+            return Err(Error::RowLength { place, found: row.len(), expected: header.len() });
         }
-        rows.push((line, row));
+        rows.push((line, row.iter().map(String::from).collect()));
     }
+    let columns = header.iter().map(String::from).collect();
     Ok(Cells { columns, rows })
 }
 
@@ -157,59 +158,6 @@ pub fn read_numbers(name: &str, text: &str) -> Result<Numbers, Error> {
         rows.push(values.collect::<Result<Vec<f64>, Error>>()?);
     }
     Ok(Numbers { columns: cells.columns, rows })
-}
-
-/// Records with the line on which each starts; blank lines are skipped.
-fn records(name: &str, text: &str, separator: char) -> Result<Vec<(usize, Vec<String>)>, Error> {
-    let mut records = Vec::new();
-    let mut record: Vec<String> = Vec::new();
-    let mut cell = String::new();
-    let (mut line, mut start) = (1, 1);
-    let (mut quoted, mut was_quoted) = (false, false);
-    let mut chars = text.chars().chain(std::iter::once('\n')).peekable();
-    let mut finish = |record: &mut Vec<String>, blank: bool, start: usize| {
-        let record = std::mem::take(record);
-        if !blank {
-            records.push((start, record));
-        }
-    };
-    while let Some(c) = chars.next() {
-        match c {
-            '"' if quoted && chars.peek() == Some(&'"') => {
-                chars.next();
-                cell.push('"');
-            }
-            '"' if quoted => quoted = false,
-            '"' if cell.trim().is_empty() && !was_quoted => {
-                cell.clear();
-                (quoted, was_quoted) = (true, true);
-            }
-            '\r' if !quoted && chars.peek() == Some(&'\n') => {}
-            '\n' => {
-                line += 1;
-                if quoted {
-                    if chars.peek().is_none() {
-                        let (inside, offset) = ("a quoted cell", text.len());
-                        return Err(Error::Truncated { place: Place::file(name), inside, offset, line: Some(start) });
-                    }
-                    cell.push('\n');
-                    continue;
-                }
-                let blank = record.is_empty() && cell.trim().is_empty() && !was_quoted;
-                record.push(take_cell(&mut cell, &mut was_quoted));
-                finish(&mut record, blank, start);
-                start = line;
-            }
-            c if c == separator && !quoted => record.push(take_cell(&mut cell, &mut was_quoted)),
-            c => cell.push(c),
-        }
-    }
-    Ok(records)
-}
-
-fn take_cell(cell: &mut String, was_quoted: &mut bool) -> String {
-    let text = std::mem::take(cell);
-    if std::mem::take(was_quoted) { text } else { text.trim().to_owned() }
 }
 
 #[cfg(test)]
@@ -240,7 +188,7 @@ mod tests {
 
     #[test]
     fn quoting_survives() {
-        let columns = ["a,b", "say \"x\"", "line\nend", " blank ", ""];
+        let columns = ["a,b", "say \"x\"", "line\nend", "tab\tbed", ""];
         let mut out = Vec::new();
         write_header(&mut out, &columns).unwrap();
         write_row(&mut out, &[Cell::Integer(-3), Cell::Number(1e-300), Cell::Empty, Cell::Text("x;y"), Cell::Text("")])

@@ -4,7 +4,7 @@
 //! read leniently.
 
 use crate::nearest::nearest;
-use crate::source_text::{line_at, shortened, without_mark};
+use crate::source_text::{line_at, shortened, truncated, without_mark};
 use crate::{Error, Place};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -50,20 +50,21 @@ impl<'a> Document<'a> {
 }
 
 fn grammar_error(name: &str, text: &str, error: &toml::de::Error) -> Error {
-    let place = Place::file(name);
     let span = error.span().unwrap_or(0..0);
     let rest = text.get(span.start..).unwrap_or_default();
     if rest.trim_start().is_empty() && !text.trim().is_empty() {
         let inside = if error.message().contains("string") { "a string" } else { open_bracket(text) };
-        return Error::Truncated { place, inside, offset: text.len(), line: Some(line_at(text, text.len())) };
+        return truncated(name, text, inside);
     }
-    let place = place.at_line(line_at(text, span.start));
+    let place = Place::file(name).at_line(line_at(text, span.start));
     if error.message().contains("duplicate key") {
         let name = text.get(span).unwrap_or_default();
-        return Error::DuplicateName { place, what: "key", name: shortened(name.trim()) };
+        return place.twice("key", shortened(name.trim()));
     }
-    let found = format!("`{}`", shortened(rest.lines().next().unwrap_or_default()));
-    Error::Syntax { place, found, expected: format!("valid TOML ({})", error.message()) }
+    place.syntax(
+        format!("`{}`", shortened(rest.lines().next().unwrap_or_default())),
+        format!("valid TOML ({})", error.message()),
+    )
 }
 
 fn open_bracket(text: &str) -> &'static str {
@@ -137,7 +138,7 @@ impl<'a> Table<'a> {
     }
 
     pub(crate) fn require(&self, key: &'a str) -> Result<Value<'a>, Error> {
-        self.get(key).ok_or_else(|| Error::MissingField { place: self.place(), field: key.into() })
+        self.get(key).ok_or_else(|| self.place().lacks(key))
     }
 
     pub(crate) fn string(&self, key: &'a str) -> Result<String, Error> {
@@ -178,7 +179,7 @@ impl<'a> Value<'a> {
 
     /// An error about this value.
     pub(crate) fn must_be(&self, expected: impl Into<String>) -> Error {
-        Error::BadValue { place: self.place(), field: self.key.into(), found: self.source(), expected: expected.into() }
+        self.place().bad_value(self.key, self.source(), expected)
     }
 
     pub(crate) fn as_table(&self) -> Result<Table<'a>, Error> {

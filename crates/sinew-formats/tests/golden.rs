@@ -12,7 +12,7 @@ use sinew_formats::tidy_csv::Cell;
 use sinew_formats::zarr::inference_data::{DrawsKind, Run, posterior, schema};
 use sinew_formats::zarr::{FrameValues, MemoryStore, Writer};
 use sinew_formats::{body_toml, bvh, c3d, calib_toml, layout, mot, tidy_csv, trc};
-use sinew_observe::lens::Brown;
+use sinew_observe::cameras::lens::Brown;
 use sinew_observe::{Camera, Intrinsics};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -31,7 +31,7 @@ fn check(name: &str, written: &[u8]) {
 }
 
 fn arm() -> KinematicTree {
-    let link = |name: &str, parent, offset, joints| Link { name: name.into(), parent, offset, joints };
+    let link = |name: &str, parent, offset, joints| Link::new(name, parent, offset, joints);
     let (tx, rx, ry) = (Joint::Translate(Axis::X), Joint::Rotate(Axis::X), Joint::Rotate(Axis::Y));
     let links = vec![
         link("trunk", None, [0.0; 3], vec![tx, ry]),

@@ -8,8 +8,8 @@ use sinew_formats::calibration::CalibrationFormat;
 use sinew_formats::rotation::from_rodrigues;
 use sinew_formats::tidy_csv::Cell;
 use sinew_formats::*;
-use sinew_observe::bit_image::BitImage;
-use sinew_observe::lens::{Brown, Lens};
+use sinew_observe::cameras::lens::{Brown, Lens};
+use sinew_observe::silhouettes::bit_image::BitImage;
 use sinew_observe::{Camera, Intrinsics, RgbImage};
 
 /// Finite numbers of every kind: zeros of both signs, denormals, 1e±300, ordinary ones.
@@ -79,17 +79,19 @@ prop_compose! {
 }
 
 prop_compose! {
-    fn body()(links in prop::collection::vec((any::<prop::sample::Index>(), "[ -~é\n]{0,5}", vector(), prop::collection::vec(0..6usize, 0..6)), 1..6))(
+    fn body()(links in prop::collection::vec((any::<prop::sample::Index>(), "[ -~é\n]{0,5}", vector(), prop::collection::vec(0..8usize, 0..6)), 1..6))(
         points in prop::collection::vec((0..links.len(), "[ -~]{0,5}", vector()), 0..4),
         links in Just(links),
     ) -> KinematicTree {
         let axes = [Axis::X, Axis::Y, Axis::Z];
-        let joint = |j: usize| if j < 3 { Joint::Translate(axes[j]) } else { Joint::Rotate(axes[j - 3]) };
-        let links = links.into_iter().enumerate().map(|(i, (parent, name, offset, joints))| Link {
-            name: format!("{i}{name}"),
-            parent: (i > 0).then(|| parent.index(i)),
-            offset,
-            joints: joints.into_iter().map(joint).collect(),
+        let free = Axis::along([0.3, -0.2, 0.7]).unwrap();
+        let axes = |j: usize| axes.get(j).copied().unwrap_or(free);
+        let joint = |j: usize| if j < 4 { Joint::Translate(axes(j)) } else { Joint::Rotate(axes(j - 4)) };
+        let links = links.into_iter().enumerate().map(|(i, (parent, name, offset, joints))| {
+            let parent = (i > 0).then(|| parent.index(i));
+            let quarter = [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]];
+            let rest = name.len().is_multiple_of(3).then_some(quarter);
+            Link { rest, ..Link::new(format!("{i}{name}"), parent, offset, joints.into_iter().map(joint).collect()) }
         });
         let points = points.into_iter().enumerate();
         let points = points.map(|(i, (link, name, offset))| Point { name: format!("{name}{i}"), link, offset });

@@ -5,6 +5,7 @@
 //!
 //! Shapes of the histogram have names: ∪ intervals too narrow, ∩ too wide, a slope a bias, a spike at an end draws that are correlated or stuck.
 
+use crate::detectable::Wrong;
 use crate::exact_rank::Tally;
 use crate::p_values::against_expected;
 use crate::sequential::{About, Control, Measured, run};
@@ -87,11 +88,12 @@ pub fn calibration(
             let (value, p) = against_expected(&histogram(ranks, draws, bins), &histogram(&every_rank, draws, bins));
             let distance = distance_from_uniform(ranks, draws);
             [
-                Measured { name: format!("χ² of the ranks of {name}"), value, p },
+                Measured { name: format!("χ² of the ranks of {name}"), value, p, one_sigma: None },
                 Measured {
                     name: format!("distance of the ranks of {name} from uniform"),
                     value: distance,
                     p: (2.0 * (-2.0 * sets as f64 * distance * distance).exp()).min(1.0),
+                    one_sigma: Some((format!("ranks of {name}"), (Wrong::Distribution, (sets as f64).sqrt().recip()))),
                 },
             ]
         });

@@ -4,11 +4,11 @@
 //! of draws. [`mixing`] reports autocorrelation times and R̂ of the same runs, for targets without exact values.
 
 use crate::TestFunctions;
+use crate::detectable::{Estimate, one_sigma};
 use crate::p_values::{normal_p, share_p};
 use crate::report::{Bound, Report, Statistic};
 use crate::sequential::{About, Control, Measured, run};
-use sinew_core::convergence::rank_r_hat;
-use sinew_core::diagnostics::{Window, effective_sample_size, integrated_time, split_r_hat};
+use sinew_core::diagnostics::{effective_sample_size, rank_r_hat, split_r_hat};
 use sinew_core::random::{BlockRng, Stage};
 
 /// Sizes of the runs.
@@ -84,26 +84,33 @@ pub fn long_run(
     let mut report = run(&config.control, &about, config.draws, |draws, stage| {
         worth.clear();
         let all = series(config, draws, &stages.round(stage), starts, &mut transition, functions);
-        let found = functions.names().iter().zip(all).zip(expected).map(|((name, chains), &expected)| {
-            let n = (draws * starts.len()) as f64;
-            let mean = chains.iter().flatten().sum::<f64>() / n;
-            let variance = chains.iter().flatten().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n;
-            let effective = effective_sample_size(&chains);
-            worth.push(Statistic {
-                name: format!("effective draws of {name}"),
-                value: effective,
-                bound: Bound::Range { least: LEAST_EFFECTIVE, most: f64::INFINITY },
-            });
+        let effective: Vec<f64> = all.iter().map(|chains| effective_sample_size(chains)).collect();
+        let estimates: Vec<Estimate> = all.iter().zip(&effective).map(|(chains, &n)| estimate(chains, n)).collect();
+        let sizes = one_sigma(functions, &estimates);
+        worth.extend(functions.names().iter().zip(effective.iter()).map(|(name, &value)| Statistic {
+            name: format!("effective draws of {name}"),
+            value,
+            bound: Bound::Range { least: LEAST_EFFECTIVE, most: f64::INFINITY },
+        }));
+        let found = functions.names().iter().zip(&all).zip(expected).zip(estimates.iter().zip(effective).zip(sizes));
+        let found = found.map(|(((name, chains), &expected), ((of, effective), size))| {
             // Chains that never move have no error; the number of effective draws fails then.
-            let z = if variance > 0.0 { (mean - expected) / (variance / effective.max(1.0)).sqrt() } else { 0.0 };
-            let indicator = variance > 0.0 && chains.iter().flatten().all(|&x| x == 0.0 || x == 1.0);
-            let p = if indicator { share_p(mean, effective, expected) } else { normal_p(z) };
-            Measured { name: format!("mean of {name}"), value: z, p }
+            let z = if of.variance > 0.0 { (of.mean - expected) / of.error } else { 0.0 };
+            let indicator = of.variance > 0.0 && chains.iter().flatten().all(|&x| x == 0.0 || x == 1.0);
+            let p = if indicator { share_p(of.mean, effective, expected) } else { normal_p(z) };
+            Measured { name: format!("mean of {name}"), value: z, p, one_sigma: size.map(|size| (name.clone(), size)) }
         });
         found.collect()
     });
     report.statistics.extend(worth);
     report
+}
+
+fn estimate(chains: &[Vec<f64>], effective: f64) -> Estimate {
+    let n = chains.iter().map(Vec::len).sum::<usize>() as f64;
+    let mean = chains.iter().flatten().sum::<f64>() / n;
+    let variance = chains.iter().flatten().map(|x| (x - mean) * (x - mean)).sum::<f64>() / n;
+    Estimate { mean, variance, error: (variance / effective.max(1.0)).sqrt() }
 }
 
 /// Autocorrelation time and R̂ of a set of runs.
@@ -128,10 +135,11 @@ pub fn mixing(
         bound: Bound::Range { least: f64::NEG_INFINITY, most },
     };
     let found = functions.names().iter().zip(all).flat_map(|(name, chains)| {
+        let time_found = (config.draws * starts.len()) as f64 / effective_sample_size(&chains);
         [
             at_most(format!("split R̂ of {name}"), split_r_hat(&chains), r_hat),
             at_most(format!("rank-normalised R̂ of {name}"), rank_r_hat(&chains), r_hat),
-            at_most(format!("autocorrelation time of {name}"), integrated_time(&chains, Window::Geyer), time),
+            at_most(format!("autocorrelation time of {name}"), time_found, time),
         ]
     });
     Report {

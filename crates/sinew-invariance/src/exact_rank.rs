@@ -84,7 +84,7 @@ pub fn exact_rank(
         }
         let found = functions.names().iter().zip(&counts).map(|(name, counts)| {
             let (value, p) = uniform_counts(counts);
-            Measured { name: format!("χ² of the ranks of {name}"), value, p }
+            Measured { name: format!("χ² of the ranks of {name}"), value, p, one_sigma: None }
         });
         found.collect()
     });

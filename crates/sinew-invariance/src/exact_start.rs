@@ -5,9 +5,12 @@
 //! - the mean of h(x′) − h(x) over its standard error, for every test function h;
 //! - the numbers of starts that rise and fall across the median of h, which are equally likely, with the exact law of signs: no moments needed.
 //!
+//! A report says what size of error would have been seen: of a standard deviation, or a mean, of the target that the kernel keeps instead of π (for a reversible kernel and a small error; see [`crate::Report::detectable`]).
+//!
 //! No burn-in, no autocorrelation, no tuning of the comparison. A kernel that does not move keeps any target; one that moves fewer starts than `least_moved`, by default one in a hundred, fails
 //! here, since next to nothing was tested. What this test cannot see: a kernel that moves within a part of the state only. [`crate::long_run`] sees that.
 
+use crate::detectable::{Estimate, one_sigma};
 use crate::p_values::{mean_is_zero, signs_p};
 use crate::report::{Bound, Statistic};
 use crate::sequential::{About, Control, Measured, run};
@@ -31,7 +34,7 @@ pub struct ExactStart {
 
 impl Default for ExactStart {
     fn default() -> Self {
-        Self { starts: 10_000, steps: 1, least_moved: LEAST_MOVED, seed: 1, control: Control::default() }
+        Self { starts: 100_000, steps: 1, least_moved: LEAST_MOVED, seed: 1, control: Control::default() }
     }
 }
 
@@ -75,15 +78,22 @@ pub fn exact_start(
                 sums.add(before[j], after[j], medians[j]);
             }
         }
-        let found = functions.names().iter().zip(&sums).flat_map(|(name, sums)| {
+        let sizes = one_sigma(functions, &sums.iter().map(|sums| sums.estimate(starts as f64)).collect::<Vec<_>>());
+        let found = functions.names().iter().zip(&sums).zip(sizes).flat_map(|((name, sums), size)| {
             let (z, p) = mean_is_zero(sums.difference, sums.square, starts);
             let balance = (sums.up as f64 - sums.down as f64) / ((sums.up + sums.down).max(1) as f64).sqrt();
             [
-                Measured { name: format!("mean of {name}"), value: z, p },
+                Measured {
+                    name: format!("mean of {name}"),
+                    value: z,
+                    p,
+                    one_sigma: size.map(|size| (name.clone(), size)),
+                },
                 Measured {
                     name: format!("crossings of the median of {name}"),
                     value: balance,
                     p: signs_p(sums.up, sums.down),
+                    one_sigma: None,
                 },
             ]
         });
@@ -125,16 +135,14 @@ fn medians(
     rng: &mut BlockRng,
 ) -> Vec<f64> {
     let values: Vec<Vec<f64>> = (0..PILOT).map(|_| functions.at(&draw(rng))).collect();
-    let median = |j: usize| {
-        let mut column: Vec<f64> = values.iter().map(|v| v[j]).collect();
-        column.sort_by(f64::total_cmp);
-        column[PILOT / 2]
-    };
+    let median = |j: usize| sinew_core::estimators::median(&mut values.iter().map(|v| v[j]).collect::<Vec<_>>());
     (0..functions.names().len()).map(median).collect()
 }
 
 #[derive(Clone, Default)]
 struct Sums {
+    before: f64,
+    before_square: f64,
     difference: f64,
     square: f64,
     up: u64,
@@ -144,6 +152,8 @@ struct Sums {
 impl Sums {
     fn add(&mut self, before: f64, after: f64, median: f64) {
         let change = after - before;
+        self.before += before;
+        self.before_square += before * before;
         self.difference += change;
         self.square += change * change;
         match (before > median, after > median) {
@@ -151,5 +161,15 @@ impl Sums {
             (true, false) => self.down += 1,
             _ => {}
         }
+    }
+
+    /// Of the mean of h under the target that the kernel keeps instead, if it keeps one.
+    ///
+    /// With the target π (1 + ε (h − E h)) instead of π a reversible kernel moves the mean of h over π by ε (1 − ρ) Var h, and its own target has it off by ε Var h, ρ the correlation of h(x) with h(x′). Over starts
+    /// E (h(x′) − h(x))² = 2 (1 − ρ) Var h.
+    fn estimate(&self, starts: f64) -> Estimate {
+        let mean = self.before / starts;
+        let variance = self.before_square / starts - mean * mean;
+        Estimate { mean, variance, error: 2.0 * variance / self.square.sqrt() }
     }
 }

@@ -8,6 +8,7 @@
 //! Means of test functions of (θ, y) must agree. Here each successive chain starts from a draw of its own from the prior, so that it has the joint law from its first state on, and there are many of them: their means are
 //! independent, and no autocorrelation has to be estimated. A small error of the kernel is carried from cycle to cycle and adds up along a chain, which gives the test its power.
 
+use crate::detectable::{Estimate, one_sigma};
 use crate::p_values::normal_p;
 use crate::sequential::{About, Control, Measured, run};
 use crate::{Report, TestFunctions};
@@ -77,12 +78,20 @@ pub fn geweke(
             }
             successive.iter_mut().zip(own).for_each(|(mean, own)| mean.add(own.mean));
         }
-        let found = functions.names().iter().zip(independent.iter().zip(&successive)).map(|(name, (a, b))| {
+        let estimate = |(a, b): (&Mean, &Mean)| Estimate {
+            mean: a.mean,
+            variance: a.squared_error() * a.count,
+            error: (a.squared_error() + b.squared_error()).sqrt(),
+        };
+        let sizes = one_sigma(functions, &independent.iter().zip(&successive).map(estimate).collect::<Vec<_>>());
+        let found = functions.names().iter().zip(independent.iter().zip(&successive)).zip(sizes);
+        let found = found.map(|((name, (a, b)), size)| {
             let difference = b.mean - a.mean;
             // Constants may differ by rounding.
             let is_rounding = difference.abs() <= 1e-12 * a.mean.abs().max(b.mean.abs());
             let z = if is_rounding { 0.0 } else { difference / (a.squared_error() + b.squared_error()).sqrt() };
-            Measured { name: format!("mean of {name}"), value: z, p: normal_p(z) }
+            let one_sigma = size.map(|size| (name.clone(), size));
+            Measured { name: format!("mean of {name}"), value: z, p: normal_p(z), one_sigma }
         });
         found.collect()
     })

@@ -90,7 +90,8 @@
 //!
 //! # Choosing sizes
 //!
-//! - A mean that is off by δ standard deviations is seen by about (6 / δ)² starts: 3600 for a tenth, 360 000 for a hundredth. Pairs in [`crate::exact_start`] correlate, which helps when the kernel moves little.
+//! - A report that holds says what it would have seen ([`crate::Report::detectable`]); four times the starts see half of that. A kernel whose own mean is off by δ standard deviations is seen, nine times in ten, by about
+//!   45 / ((1 − ρ) δ²) starts, ρ the correlation of a test function before and after the steps: 4500 for a tenth where nothing is left of it.
 //! - A kernel that errs a little at each step errs more after several: raise `steps`.
 //! - Add the log density as a test function: it pools all coordinates, and an error of scale shows there first.
 //! - In a suite, keep seeds fixed and sizes small; once a night, turn the seed and multiply the sizes.

@@ -4,6 +4,7 @@
 
 pub mod calibration;
 mod chains;
+mod detectable;
 pub mod draws;
 mod exact_rank;
 mod exact_start;
@@ -25,6 +26,7 @@ mod two_sample;
 
 pub use calibration::{RankCalibration, Ranks, calibration};
 pub use chains::{LongRun, long_run, mixing};
+pub use detectable::{Detectable, Wrong};
 pub use exact_rank::{ExactRank, exact_rank};
 pub use exact_start::{ExactStart, exact_start};
 pub use geweke::{Geweke, geweke};

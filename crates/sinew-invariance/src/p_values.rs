@@ -62,7 +62,7 @@ pub(crate) fn two_samples(a: &mut [f64], b: &mut [f64]) -> (f64, f64) {
 }
 
 /// P(K > x) of Kolmogorov's distribution: 2 Σ (−1)^(k−1) exp(−2 k² x²).
-fn kolmogorov_p(x: f64) -> f64 {
+pub(crate) fn kolmogorov_p(x: f64) -> f64 {
     if x < 0.2 {
         return 1.0;
     }

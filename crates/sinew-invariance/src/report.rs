@@ -1,5 +1,6 @@
 //! What a test found, in words and numbers.
 
+use crate::detectable::{Detectable, hardest};
 use std::fmt;
 
 /// One number with its bound.
@@ -94,6 +95,8 @@ pub struct Report {
     pub would_show: &'static str,
     /// The statistics of the last stage.
     pub statistics: Vec<Statistic>,
+    /// Sizes of errors that a test like this one sees in nine of ten runs: what it means that it passed. Empty for tests that cannot say.
+    pub detectable: Vec<Detectable>,
     /// Probability that the whole test fails where all is well; 0 for tests without randomness.
     pub false_alarm_rate: f64,
     /// Stages that were run (see [`crate::Control`]).
@@ -105,7 +108,16 @@ pub struct Report {
 impl Report {
     /// A report of a test without randomness.
     pub(crate) fn exact(test: &'static str, measured: String, would_show: &'static str, found: Vec<Statistic>) -> Self {
-        Self { test, measured, would_show, statistics: found, false_alarm_rate: 0.0, stages: 1, seed: None }
+        Self {
+            test,
+            measured,
+            would_show,
+            statistics: found,
+            detectable: vec![],
+            false_alarm_rate: 0.0,
+            stages: 1,
+            seed: None,
+        }
     }
 
     /// Whether all statistics keep their bounds. A report without statistics holds nothing.
@@ -160,6 +172,9 @@ impl fmt::Display for Report {
         }
         if failed > 0 {
             writeln!(f, "  a failure shows: {}", self.would_show)?;
+        } else if !self.detectable.is_empty() {
+            let seen: Vec<String> = hardest(&self.detectable).map(|one| one.to_string()).collect();
+            writeln!(f, "  sees 9 times in 10: {}", seen.join("; "))?;
         }
         match self.seed {
             Some(seed) if self.false_alarm_rate == 0.0 => write!(f, "  bounds of the caller; seed {seed}"),

@@ -102,6 +102,7 @@ pub fn resampling(
             name: format!("mean count of index {i}, weight {w:.3e}, less what is expected"),
             value: sum / r - n as f64 * w,
             p: trials.p_value(sum / r, r),
+            one_sigma: None,
         });
         found.collect()
     });

@@ -11,7 +11,9 @@
 //!
 //! A stage is reached by a right sampler with probability at most γ for each before it, which pays for the larger β: every stage costs α / K.
 
+use crate::detectable::{Detectable, OneSigma, Wrong, root_n_distance, z_score};
 use crate::report::{Bound, Report, Statistic};
+use std::cell::LazyCell;
 
 /// How much evidence a verdict needs.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +37,40 @@ pub(crate) struct Measured {
     pub name: String,
     pub value: f64,
     pub p: f64,
+    /// The error that moves it by one standard error, where that can be said: then the report says what size would have been seen.
+    pub one_sigma: Option<(String, OneSigma)>,
+}
+
+/// What decides in one stage, of q = d · min p.
+pub(crate) struct Threshold {
+    /// β: the test fails at this q and below.
+    pub fails: f64,
+    /// γ + β: at this q and below it does not hold yet.
+    pub doubtful: f64,
+    /// Draws, in those of the first stage.
+    pub growth: usize,
+    gamma: f64,
+    stages_left: usize,
+    by: usize,
+}
+
+impl Threshold {
+    pub fn first(control: &Control) -> Self {
+        let stages = control.stages.max(1);
+        let fails = control.false_alarm_rate / stages as f64;
+        let gamma = fails.powf(1.0 / stages as f64);
+        Self { fails, doubtful: gamma + fails, growth: 1, gamma, stages_left: stages - 1, by: control.growth.max(1) }
+    }
+
+    pub fn is_last(&self) -> bool {
+        self.stages_left == 0
+    }
+
+    pub fn next(&self) -> Self {
+        let fails = self.fails / self.gamma;
+        let (growth, stages_left) = (self.growth * self.by, self.stages_left - 1);
+        Self { fails, doubtful: self.gamma + fails, growth, stages_left, ..*self }
+    }
 }
 
 /// What does not change from stage to stage.
@@ -49,40 +85,49 @@ pub(crate) struct About<'a> {
 pub(crate) fn run(
     control: &Control,
     about: &About<'_>,
-    mut draws: usize,
+    draws: usize,
     mut measure: impl FnMut(usize, usize) -> Vec<Measured>,
 ) -> Report {
-    let stages = control.stages.max(1);
-    let mut beta = control.false_alarm_rate / stages as f64;
-    let gamma = beta.powf(1.0 / stages as f64);
+    let mut threshold = Threshold::first(control);
     let mut stage = 1;
     loop {
-        let found = measure(draws, stage);
+        let found = measure(draws * threshold.growth, stage);
         let count = found.len() as f64;
         // A p-value that is NaN is a failure, and decides at once.
         let least = found.iter().map(|m| if m.p.is_nan() { 0.0 } else { m.p }).fold(f64::INFINITY, f64::min) * count;
-        let undecided = least > beta && least <= gamma + beta;
-        if undecided && stage < stages {
-            beta /= gamma;
-            draws *= control.growth.max(1);
+        let undecided = least > threshold.fails && least <= threshold.doubtful;
+        if undecided && !threshold.is_last() {
+            threshold = threshold.next();
             stage += 1;
             continue;
         }
-        let statistics = found.into_iter().map(|m| Statistic {
-            name: m.name,
-            value: m.value,
-            bound: Bound::Probability { p: m.p, above: beta / count },
-        });
+        let above = threshold.fails / count;
         return Report {
             test: about.test,
-            measured: (about.measured)(draws),
+            measured: (about.measured)(draws * threshold.growth),
             would_show: about.would_show,
-            statistics: statistics.collect(),
+            detectable: detectable(control, &found, threshold.growth),
+            statistics: found
+                .into_iter()
+                .map(|m| Statistic { name: m.name, value: m.value, bound: Bound::Probability { p: m.p, above } })
+                .collect(),
             false_alarm_rate: control.false_alarm_rate,
             stages: stage,
             seed: Some(about.seed),
         };
     }
+}
+
+/// The sizes of errors that the test sees. Standard errors are those of a stage with `growth` times the draws of the first.
+fn detectable(control: &Control, found: &[Measured], growth: usize) -> Vec<Detectable> {
+    let z = LazyCell::new(|| z_score(control, found.len()));
+    let distance = LazyCell::new(|| root_n_distance(control, found.len()));
+    let to_first = (growth as f64).sqrt();
+    let size = |(of, (what, one)): &(String, OneSigma)| {
+        let sigmas = if *what == Wrong::Distribution { *distance } else { *z };
+        Detectable { of: of.clone(), what: *what, size: one * sigmas * to_first }
+    };
+    found.iter().filter_map(|m| m.one_sigma.as_ref()).map(size).collect()
 }
 
 #[cfg(test)]
@@ -103,7 +148,7 @@ mod tests {
         for _ in 0..runs {
             let report = run(&control, &about(), 1, |_, _| {
                 let p = crate::draws::uniforms(3, &mut rng);
-                p.into_iter().map(|p| Measured { name: String::new(), value: 0.0, p }).collect()
+                p.into_iter().map(|p| Measured { name: String::new(), value: 0.0, p, one_sigma: None }).collect()
             });
             failed += f64::from(u8::from(!report.holds()));
             stages = stages.max(report.stages);
@@ -118,7 +163,7 @@ mod tests {
         let mut sizes = vec![];
         let report = run(&Control::default(), &about(), 10, |draws, _| {
             sizes.push(draws);
-            vec![Measured { name: "p".into(), value: 4.0, p: if draws < 100 { 1e-4 } else { 1e-9 } }]
+            vec![Measured { name: "p".into(), value: 4.0, p: if draws < 100 { 1e-4 } else { 1e-9 }, one_sigma: None }]
         });
         assert_eq!(sizes, [10, 40, 160]);
         assert!(!report.holds() && report.measured == "160 draws");
@@ -127,7 +172,7 @@ mod tests {
     #[test]
     fn nan_fails_at_once() {
         let report = run(&Control::default(), &about(), 1, |_, _| {
-            vec![Measured { name: "p".into(), value: f64::NAN, p: f64::NAN }]
+            vec![Measured { name: "p".into(), value: f64::NAN, p: f64::NAN, one_sigma: None }]
         });
         assert!(!report.holds() && report.stages == 1);
     }

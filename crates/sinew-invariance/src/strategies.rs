@@ -110,7 +110,7 @@ pub fn trees(links: RangeInclusive<usize>) -> impl Strategy<Value = Tree> {
 }
 
 /// Directions, the coordinate axes among them.
-pub fn unit_vectors() -> impl Strategy<Value = [f64; 3]> {
+fn unit_vectors() -> impl Strategy<Value = [f64; 3]> {
     let any_way = (-1.0..1.0_f64, 0.0..std::f64::consts::TAU).prop_map(|(z, turn): (f64, f64)| {
         let r = (1.0 - z * z).sqrt();
         [r * turn.cos(), r * turn.sin(), z]

@@ -6,6 +6,8 @@
 pub struct TestFunctions<'a> {
     names: Vec<String>,
     evaluate: Vec<Function<'a>>,
+    /// Of a function that is the square of another: the place of that one.
+    coordinates_of_squares: Vec<Option<usize>>,
 }
 
 type Function<'a> = Box<dyn Fn(&[f64]) -> f64 + 'a>;
@@ -17,7 +19,7 @@ impl<'a> TestFunctions<'a> {
     /// No function yet.
     #[must_use]
     pub fn none() -> Self {
-        Self { names: vec![], evaluate: vec![] }
+        Self { names: vec![], evaluate: vec![], coordinates_of_squares: vec![] }
     }
 
     /// Every coordinate of a state of `dim`, its square, and products of pairs, at most ten, spread over all.
@@ -26,6 +28,7 @@ impl<'a> TestFunctions<'a> {
         let mut all = Self::none();
         for i in 0..dim {
             all = all.with(format!("x{i}"), move |x| x[i]).with(format!("x{i}²"), move |x| x[i] * x[i]);
+            all.coordinates_of_squares[2 * i + 1] = Some(2 * i);
         }
         let pairs: Vec<(usize, usize)> = (0..dim).flat_map(|i| (0..i).map(move |j| (i, j))).collect();
         let every = pairs.len().div_ceil(PAIRS).max(1);
@@ -40,6 +43,7 @@ impl<'a> TestFunctions<'a> {
     pub fn with(mut self, name: impl Into<String>, function: impl Fn(&[f64]) -> f64 + 'a) -> Self {
         self.names.push(name.into());
         self.evaluate.push(Box::new(function));
+        self.coordinates_of_squares.push(None);
         self
     }
 
@@ -60,13 +64,18 @@ impl<'a> TestFunctions<'a> {
                 x.chunks_exact(x.len() / chains).map(&*function).sum::<f64>() / chains as f64
             })
         };
-        Self { names: self.names, evaluate: self.evaluate.into_iter().map(pooled).collect() }
+        Self { evaluate: self.evaluate.into_iter().map(pooled).collect(), ..self }
     }
 
     /// Panics when there is none: a test that looks at nothing passes.
     #[track_caller]
     pub(crate) fn assert_some(&self) {
         assert!(!self.names.is_empty(), "at least one test function");
+    }
+
+    /// For each function that is the square of a coordinate, the place of that coordinate.
+    pub(crate) fn coordinates_of_squares(&self) -> impl Iterator<Item = Option<usize>> {
+        self.coordinates_of_squares.iter().copied()
     }
 
     /// Their names.

@@ -3,6 +3,7 @@
 //! For every test function h the distribution functions of h(x), x ~ π, and of h(x′), x′ = k steps from another draw, are compared by Kolmogorov and Smirnov's distance. It sees changes of shape that leave means and
 //! medians alone; where those change, [`crate::exact_start`] needs fewer draws, since its pairs cancel noise.
 
+use crate::detectable::Wrong;
 use crate::exact_start::Moved;
 use crate::p_values::two_samples;
 use crate::sequential::{About, Measured, run};
@@ -46,7 +47,8 @@ pub fn two_sample(
         }
         let found = functions.names().iter().zip(&mut columns).map(|(name, (fresh, moved))| {
             let (value, p) = two_samples(fresh, moved);
-            Measured { name: format!("distance of {name}"), value, p }
+            let one_sigma = Some((name.clone(), (Wrong::Distribution, (2.0 / starts as f64).sqrt())));
+            Measured { name: format!("distance of {name}"), value, p, one_sigma }
         });
         found.collect()
     });

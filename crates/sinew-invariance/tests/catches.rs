@@ -8,8 +8,8 @@ use sinew_invariance::draws::{normals, uniform};
 use sinew_invariance::targets::{Banana, ExactTarget, GaussianTarget, HalfLine, MixtureTarget, Truncated};
 use sinew_invariance::{
     Bound, Control, CountLaw, Differences, ExactRank, ExactStart, Geweke, Integrator, LongRun, RankCalibration, Report,
-    Resampling, TestFunctions, calibration, energy_order, exact_rank, exact_start, geweke, gradient, long_run, mixing,
-    resampling, reversibility, two_sample, volume,
+    Resampling, TestFunctions, Wrong, calibration, energy_order, exact_rank, exact_start, geweke, gradient, long_run,
+    mixing, resampling, reversibility, two_sample, volume,
 };
 
 /// Random-walk Metropolis with steps of `sd` and a rule for acceptance by log density before, after, and a uniform number.
@@ -46,7 +46,7 @@ fn energy(target: &impl LogDensity, q: &[f64], p: &[f64]) -> f64 {
 }
 
 fn start_of(target: &impl ExactTarget, steps: usize, kernel: impl Fn(&[f64], &mut BlockRng) -> Vec<f64>) -> Report {
-    let config = ExactStart { steps, ..ExactStart::default() };
+    let config = ExactStart { starts: 10_000, steps, ..ExactStart::default() };
     exact_start(&config, |rng| target.draw(rng), kernel, &TestFunctions::moments(target.dim()))
 }
 
@@ -420,4 +420,47 @@ fn the_guide_shows_what_is_printed() {
     let target = HalfLine { rate: vec![1.0] };
     let report = exact_start(&ExactStart::default(), |rng| target.draw(rng), broken, &TestFunctions::moments(1));
     assert_eq!(report.to_string(), include_str!("../src/guide/broken.txt").trim_end(), "paste this:\n{report}");
+}
+
+/// So is the report of the README.
+#[test]
+fn the_readme_shows_what_is_printed() {
+    let target = GaussianTarget::equicorrelated(2, 0.8);
+    let report = exact_start(
+        &ExactStart::default(),
+        |rng| target.draw(rng),
+        walk(&target, 0.9, metropolis),
+        &TestFunctions::moments(2),
+    );
+    let shown = include_str!("../README.md").contains(&format!("```text\n{report}\n```"));
+    assert!(shown, "paste this:\n{report}");
+}
+
+/// Runs of a hundred that an exponent of the target fails whose standard deviation is wrong by this much.
+fn failed_by_a_wrong_exponent(wrong_by: f64) -> usize {
+    let target = GaussianTarget::standard(1);
+    let exponent = (1.0 - wrong_by).powi(-2);
+    let tempered = |before: f64, after: f64, u: f64| metropolis(exponent * before, exponent * after, u);
+    let fails = |&seed: &u64| {
+        let config = ExactStart { starts: 2000, seed, ..ExactStart::default() };
+        let kernel = walk(&target, 1.5, tempered);
+        !exact_start(&config, |rng| target.draw(rng), kernel, &TestFunctions::moments(1)).holds()
+    };
+    (1..=100).filter(fails).count()
+}
+
+/// A hundred runs with a rate of 0.9 have a standard deviation of 3: the bounds are more than four of them away.
+#[test]
+fn a_report_that_holds_says_what_it_would_have_seen() {
+    let target = GaussianTarget::standard(1);
+    let config = ExactStart { starts: 2000, ..ExactStart::default() };
+    let kernel = walk(&target, 1.5, metropolis);
+    let report = exact_start(&config, |rng| target.draw(rng), kernel, &TestFunctions::moments(1));
+    report.assert_holds();
+    let found = report.detectable.iter().find(|one| one.what == Wrong::StandardDeviation).unwrap();
+    assert!(found.of == "x0²" && (0.05..0.25).contains(&found.size), "{found:?}");
+    let text = report.to_string();
+    assert!(text.contains("sees 9 times in 10: a standard deviation wrong by"), "{text}");
+    let (whole, half) = (failed_by_a_wrong_exponent(found.size), failed_by_a_wrong_exponent(0.5 * found.size));
+    assert!((77..=100).contains(&whole) && half <= 35, "{whole} and {half} of 100");
 }

@@ -8,6 +8,7 @@ use crate::columns::Columns;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use serde::{Deserialize, Serialize};
+use sinew_core::estimators::median;
 
 /// The map from a row to its latent.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,8 +43,7 @@ pub(crate) fn median_squared_distance(rows: &[f64], cols: usize) -> f64 {
     if distances.is_empty() {
         return 1.0;
     }
-    let middle = distances.len() / 2;
-    *distances.select_nth_unstable_by(middle, f64::total_cmp).1
+    median(&mut distances)
 }
 
 impl BackConstraint {

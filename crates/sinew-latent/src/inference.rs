@@ -11,11 +11,11 @@ use crate::Error;
 use crate::back_constraint::squared_distance;
 use crate::inverse::Ascent;
 use crate::latent_density::LatentDensity;
-use crate::lbfgs::Lbfgs;
 use faer::linalg::solvers::SelfAdjointEigen;
 use faer::{Mat, Side};
 use sinew_core::density::{GradLogDensity, Lanes, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
+use sinew_core::lbfgs::Lbfgs;
 use sinew_core::random::Stage;
 use sinew_dynamics::factor::cholesky;
 

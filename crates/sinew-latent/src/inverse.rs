@@ -6,11 +6,11 @@
 use crate::Error;
 use crate::back_constraint::{BackConstraint, squared_distance};
 use crate::latent_density::{LatentDensity, LatentPrior};
-use crate::lbfgs::{Lbfgs, Objective};
 use crate::mapping::Mapping;
 use crate::model::{LatentModel, Outputs};
 use sinew_core::density::{GradLogDensity, Lanes};
 use sinew_core::lanes::Isa;
+use sinew_core::lbfgs::{Lbfgs, Objective};
 use std::sync::Arc;
 
 /// Ridge of the regression from outputs to latents.

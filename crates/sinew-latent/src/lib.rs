@@ -5,7 +5,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`gplvm`], [`gpdm`], [`hgplvm`] | models to be learned: plain, with dynamics between rows, a tree of spaces |
-//! | [`training`] | learning, step by step, stopped and resumed to the same bits; [`lbfgs`] |
+//! | [`training`] | learning, step by step, stopped and resumed to the same bits; L-BFGS of [`sinew_core::lbfgs`] |
 //! | [`mapping`], [`space`] | from a latent to its row: mean, variance, Jacobians, on blocks of eight; decoders for trackers |
 //! | [`inverse`], [`inference`] | from a row, or from some of its columns, to its latent: one, or the whole posterior |
 //! | [`motion`] | the next latent: its density, draws |
@@ -51,7 +51,6 @@ pub mod hgplvm;
 pub mod inference;
 pub mod inverse;
 pub mod latent_density;
-pub mod lbfgs;
 pub mod mapping;
 pub mod model;
 pub mod motion;

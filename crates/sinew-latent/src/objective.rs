@@ -8,10 +8,10 @@ use crate::back_constraint::BackMap;
 use crate::columns::Columns;
 use crate::covariance::{Covariance, Learned, PARAMETERS, count};
 use crate::dynamics::{Dynamics, Successors};
-use crate::lbfgs::Objective;
 use crate::model::{LatentModel, Outputs, RootPrior};
 use crate::process::Process;
 use sinew_core::lanes::Isa;
+use sinew_core::lbfgs::Objective;
 
 /// The least variance of white noise that is learned.
 pub const LEAST_NOISE: f64 = 1e-6;

@@ -10,12 +10,12 @@
 
 use crate::Error;
 use crate::inference::Prediction;
-use crate::lbfgs::Lbfgs;
 use crate::sequence_density::{SequenceDensity, SequenceLink};
 use faer::linalg::solvers::Llt;
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::{Mat, Par, Side};
 use sinew_core::lanes::{Block, Isa, LANES};
+use sinew_core::lbfgs::Lbfgs;
 use sinew_core::random::Stage;
 
 /// How the posterior is found.

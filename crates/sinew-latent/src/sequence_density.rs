@@ -14,12 +14,12 @@
 
 use crate::Error;
 use crate::latent_density::LatentPrior;
-use crate::lbfgs::Objective;
 use crate::mapping::Mapping;
 use crate::motion::LatentMotion;
 use rayon::prelude::*;
 use sinew_core::elementary::ln;
 use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
+use sinew_core::lbfgs::Objective;
 use std::sync::Arc;
 
 /// What links the latents of consecutive rows.

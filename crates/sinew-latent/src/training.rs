@@ -3,11 +3,11 @@
 //! L-BFGS on all unknowns together. Where weights W are learned (GPDM), they are set to their optimum before every round of steps, and the search begins afresh, as Wang, Fleet & Hertzmann do with scaled conjugate gradients.
 
 use crate::Error;
-use crate::lbfgs::Lbfgs;
 use crate::model::LatentModel;
 use crate::objective::Cost;
 use serde::{Deserialize, Serialize};
 use sinew_core::lanes::Isa;
+use sinew_core::lbfgs::Lbfgs;
 
 /// When learning ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -117,7 +117,7 @@ impl Training {
     fn end_round(&mut self, steps: usize) {
         let state = &mut self.state;
         let mut unused = vec![0.0; state.search.x.len()];
-        crate::lbfgs::Objective::evaluate(&mut self.cost, &state.search.x, &mut unused);
+        sinew_core::lbfgs::Objective::evaluate(&mut self.cost, &state.search.x, &mut unused);
         self.cost.update_weights();
         state.search = Lbfgs::new(&mut self.cost, std::mem::take(&mut state.search.x));
         state.before = steps;
@@ -172,7 +172,7 @@ pub fn objective(model: &LatentModel, isa: Isa) -> Result<(f64, Vec<f64>), Error
     let mut cost = Cost::new(model.clone(), isa)?;
     let unknowns = cost.unknowns();
     let mut gradient = vec![0.0; unknowns.len()];
-    let value = crate::lbfgs::Objective::evaluate(&mut cost, &unknowns, &mut gradient);
+    let value = sinew_core::lbfgs::Objective::evaluate(&mut cost, &unknowns, &mut gradient);
     if value.is_finite() { Ok((value, gradient)) } else { Err(cost.failure.take().unwrap_or(Error::NotFinite)) }
 }
 
@@ -191,7 +191,7 @@ impl Landscape {
     }
 }
 
-impl crate::lbfgs::Objective for Landscape {
+impl sinew_core::lbfgs::Objective for Landscape {
     fn evaluate(&mut self, x: &[f64], gradient: &mut [f64]) -> f64 {
         self.0.evaluate(x, gradient)
     }

@@ -7,7 +7,7 @@
 //!
 //! The database: "The data used in this project was obtained from mocap.cs.cmu.edu. The database was created with funding from NSF EIA-0196217."
 
-use crate::points::{Trajectories, between};
+use sinew_body::points::{Trajectories, between};
 use sinew_formats::amc::Amc;
 use sinew_formats::asf::Asf;
 

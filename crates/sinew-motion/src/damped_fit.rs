@@ -7,9 +7,9 @@
 //!
 //! For bodies whose root has a position and then, about z, a heading, and whose links have the names that HPPF24 and HAPF31 give them.
 
-use crate::error::Error;
-use crate::points::{Trajectories, points_of_states};
+use crate::follow_error::FollowError;
 use sinew_body::fit::{Config, Target, fit_pose};
+use sinew_body::points::{Trajectories, points_of_states};
 use sinew_body::{KinematicTree, Plan};
 use std::f64::consts::TAU;
 
@@ -40,8 +40,12 @@ impl Default for MotionFollowing {
 /// States of a body along a motion, one a frame; points that the motion lacks do not count.
 ///
 /// # Errors
-/// [`Error::NoPoint`] where the motion has no hips.
-pub fn states(body: &KinematicTree, motion: &Trajectories, how: &MotionFollowing) -> Result<Vec<Vec<f64>>, Error> {
+/// [`FollowError::NoPoint`] where the motion has no hips.
+pub fn states(
+    body: &KinematicTree,
+    motion: &Trajectories,
+    how: &MotionFollowing,
+) -> Result<Vec<Vec<f64>>, FollowError> {
     let columns: Vec<Option<usize>> = body.points().iter().map(|point| motion.index(&point.name)).collect();
     let plan = Plan::with_all_points(body);
     let config = Config { damping: how.damping, ..Config::default() };
@@ -84,7 +88,7 @@ fn upright(body: &KinematicTree, [middle, left, right]: [[f64; 3]; 3]) -> Vec<f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::points::distance;
+    use sinew_body::points::distance;
     use sinew_body::{Proportions, hapf31, hppf24};
 
     /// A body that walks along a curve, knees and elbows bending.
@@ -133,7 +137,7 @@ mod tests {
     fn a_motion_without_hips_is_refused() {
         for body in bodies() {
             let found = states(&body, &Trajectories::default(), &MotionFollowing::default());
-            assert_eq!(found, Err(Error::NoPoint("MidHip".into())));
+            assert_eq!(found, Err(FollowError::Body(sinew_body::Error::NoPoint("MidHip".into()))));
         }
     }
 }

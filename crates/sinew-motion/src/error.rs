@@ -1,48 +1,45 @@
-//! Why a motion cannot be taken.
+//! What can be wrong with recorded motion, with the exit code and the advice that belong to it.
 
-/// What a motion lacks.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+use crate::convert::error::MotionError;
+use crate::learn::error::LearnError;
+use sinew_input::FileError;
+use sinew_results::ResultsError;
+
+/// Motion that cannot be read, converted or learned from.
+#[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A point that a fit needs and that the motion lacks.
-    #[error("the motion has no {0}")]
-    NoPoint(String),
-    /// A motion without frames.
-    #[error("a motion without a frame")]
-    NoFrames,
-    /// A motion along which no pose of a body is found.
-    #[error("the joints of the first frame do not determine a pose")]
-    NoPose,
-    /// Joints of which a motion file has none of the known names.
-    #[error("no joint is known as {}", .0.join(", "))]
-    UnknownJoints(Vec<&'static str>),
-    /// A joint that is not there in all frames of a motion file.
-    #[error("{joint} is missing in frame {frame}, counted from 0")]
-    Gap {
-        /// Our name of the joint.
-        joint: &'static str,
-        /// The frame, counted from 0.
-        frame: usize,
-    },
-    /// A motion file of one frame.
-    #[error("a single frame is no motion")]
-    SingleFrame,
-    /// A motion file whose legs have no plausible length in any unit.
-    #[error("legs of no plausible length in any unit")]
-    Unit,
+    /// A file that cannot be read or written.
+    #[error(transparent)]
+    Results(#[from] sinew_results::Error),
+    /// A motion that cannot be read or converted.
+    #[error(transparent)]
+    Motion(#[from] MotionError),
+    /// Motion from which nothing can be learned.
+    #[error(transparent)]
+    Learn(#[from] LearnError),
 }
 
+sinew_input::errors_from_below!(Error::Results: sinew_setup::Error, sinew_input::Error, sinew_formats::Error, FileError, ResultsError);
+
 impl Error {
+    /// Code with which the program ends.
+    #[must_use]
+    pub const fn exit_code(&self) -> u8 {
+        match self {
+            Self::Results(error) => error.exit_code(),
+            Self::Motion(error) => error.exit_code(),
+            Self::Learn(error) => error.exit_code(),
+        }
+    }
+
     /// What the user can do about it.
     #[must_use]
     pub fn help(&self) -> Option<String> {
         match self {
-            Self::UnknownJoints(_) | Self::Gap { .. } | Self::SingleFrame | Self::Unit => Some(NEEDED.into()),
-            Self::NoPose => Some("leave the file out, or cut off its beginning".into()),
-            Self::NoPoint(_) | Self::NoFrames => None,
+            Self::Results(error) => error.help(),
+            Self::Motion(error) => error.help(),
+            Self::Learn(error) => error.help(),
         }
     }
 }
-
-/// What a motion file must have.
-pub const NEEDED: &str = "needed are the positions of neck, head, shoulders, elbows, wrists, hips, knees and ankles, as in BVH files or in `truth.trc` of `sinew demo`";

@@ -3,11 +3,11 @@
 //! Bodies get the lengths of the person's segments: the standard ones by [`crate::retarget`], HPPF24 and HAPF31 by [`median_lengths`]. These two then stay near the pose before ([`crate::damped_fit`]), so that twists of straight limbs do not
 //! wander.
 
-use crate::Error;
+use crate::FollowError;
 use crate::damped_fit::{MotionFollowing, states};
 use crate::median_lengths::median_lengths;
-use crate::points::{Trajectories, mean_distance, points_of_states};
 use crate::retarget::retarget_to;
+use sinew_body::points::{Trajectories, mean_distance, points_of_states};
 use sinew_body::standard::{EVALUATION_JOINTS, cf28, h32};
 use sinew_body::{KinematicTree, Proportions, hapf31, hppf24};
 
@@ -77,13 +77,13 @@ const FOLLOWING: MotionFollowing = MotionFollowing { damping: 1e-3, first_refits
 /// Makes a body follow a motion, frame by frame.
 ///
 /// # Errors
-/// [`Error::NoFrames`], [`Error::NoPoint`] where a joint of evaluation is missing, [`Error::NoPose`] where the first frame does not determine a pose.
-pub fn follow(body: NamedBody, motion: &Trajectories) -> Result<Followed, Error> {
+/// [`FollowError::NoFrames`], [`FollowError::NoPoint`] where a joint of evaluation is missing, [`FollowError::NoPose`] where the first frame does not determine a pose.
+pub fn follow(body: NamedBody, motion: &Trajectories) -> Result<Followed, FollowError> {
     if motion.frames.is_empty() {
-        return Err(Error::NoFrames);
+        return Err(FollowError::NoFrames);
     }
     if let Some(missing) = EVALUATION_JOINTS.iter().find(|joint| motion.index(joint).is_none()) {
-        return Err(Error::NoPoint((*missing).to_owned()));
+        return Err(sinew_body::Error::NoPoint((*missing).to_owned()).into());
     }
     let found = match body {
         NamedBody::H32 => standard(h32, motion)?,
@@ -91,7 +91,7 @@ pub fn follow(body: NamedBody, motion: &Trajectories) -> Result<Followed, Error>
         NamedBody::Hppf24 => with_thickness(hppf24::sized(&median_lengths(motion, 0.0)?), motion)?,
         NamedBody::Hapf31 => with_thickness(hapf31::sized(&median_lengths(motion, waist())?), motion)?,
     };
-    if found.states.iter().flatten().all(|x| x.is_finite()) { Ok(found) } else { Err(Error::NoPose) }
+    if found.states.iter().flatten().all(|x| x.is_finite()) { Ok(found) } else { Err(FollowError::NoPose) }
 }
 
 /// How far up an adult's trunk, from hips to shoulders, the waist is.
@@ -100,12 +100,12 @@ fn waist() -> f64 {
     pelvis_drop / (pelvis_drop + shoulder_height)
 }
 
-fn standard(build: fn(&Proportions) -> KinematicTree, motion: &Trajectories) -> Result<Followed, Error> {
-    let found = retarget_to(build, motion).ok_or(Error::NoPose)?;
+fn standard(build: fn(&Proportions) -> KinematicTree, motion: &Trajectories) -> Result<Followed, FollowError> {
+    let found = retarget_to(build, motion).ok_or(FollowError::NoPose)?;
     Ok(Followed { body: found.body, states: found.states, mean_error_m: found.mean_error_m })
 }
 
-fn with_thickness(body: KinematicTree, motion: &Trajectories) -> Result<Followed, Error> {
+fn with_thickness(body: KinematicTree, motion: &Trajectories) -> Result<Followed, FollowError> {
     let recorded = motion.select(&EVALUATION_JOINTS);
     let states = states(&body, &recorded, &FOLLOWING)?;
     let reached = points_of_states(&body, &states).select(&EVALUATION_JOINTS);
@@ -197,10 +197,12 @@ mod tests {
     fn motion_without_frames_or_joints_is_refused() {
         let body = hppf24::tree(1.0);
         let mut motion = points_of_states(&body, &[vec![0.0; body.dof()]]).select(&EVALUATION_JOINTS);
-        assert_eq!(follow(NamedBody::H32, &Trajectories::default()), Err(Error::NoFrames));
+        assert_eq!(follow(NamedBody::H32, &Trajectories::default()), Err(FollowError::NoFrames));
         motion.names[10] = "elsewhere".into();
         for body in NamedBody::ALL {
-            assert!(matches!(follow(body, &motion), Err(Error::NoPoint(joint)) if joint == EVALUATION_JOINTS[10]));
+            assert!(
+                matches!(follow(body, &motion), Err(FollowError::Body(sinew_body::Error::NoPoint(joint))) if joint == EVALUATION_JOINTS[10])
+            );
         }
     }
 }

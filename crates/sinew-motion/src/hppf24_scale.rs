@@ -1,8 +1,8 @@
 //! HPPF24 in a person's size by one scale for the whole body, from the lengths of some segments.
 
-use crate::error::Error;
-use crate::points::{Trajectories, distance, points_of_states};
+use crate::follow_error::FollowError;
 use sinew_body::hppf24;
+use sinew_body::points::{Trajectories, distance, points_of_states};
 
 /// How lengths of segments become a scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,8 +16,8 @@ pub enum Scale {
 /// The scale of HPPF24, 1 for an adult of 1.75 m, by which its segments are as long as a motion's. A segment is a pair of names of points.
 ///
 /// # Errors
-/// [`Error::NoPoint`] for a point that the motion lacks, [`Error::NoFrames`].
-pub fn scale(motion: &Trajectories, segments: &[(&str, &str)], how: Scale) -> Result<f64, Error> {
+/// [`FollowError::NoPoint`] for a point that the motion lacks, [`FollowError::NoFrames`].
+pub fn scale(motion: &Trajectories, segments: &[(&str, &str)], how: Scale) -> Result<f64, FollowError> {
     let unit = hppf24::tree(1.0);
     let body = points_of_states(&unit, &[vec![0.0; unit.dof()]]);
     Ok(match how {
@@ -30,19 +30,19 @@ pub fn scale(motion: &Trajectories, segments: &[(&str, &str)], how: Scale) -> Re
     })
 }
 
-fn sum_of_medians(motion: &Trajectories, segments: &[(&str, &str)]) -> Result<f64, Error> {
+fn sum_of_medians(motion: &Trajectories, segments: &[(&str, &str)]) -> Result<f64, FollowError> {
     let mut sum = 0.0;
     for (from, to) in segments {
         let (a, b) = (motion.column(from)?, motion.column(to)?);
         let mut all: Vec<f64> = motion.frames.iter().map(|frame| distance(frame[a], frame[b])).collect();
         all.sort_by(f64::total_cmp);
-        sum += all.get(all.len() / 2).ok_or(Error::NoFrames)?;
+        sum += all.get(all.len() / 2).ok_or(FollowError::NoFrames)?;
     }
     Ok(sum)
 }
 
-fn first_lengths(motion: &Trajectories, segments: &[(&str, &str)]) -> Result<Vec<f64>, Error> {
-    let frame = motion.frames.first().ok_or(Error::NoFrames)?;
+fn first_lengths(motion: &Trajectories, segments: &[(&str, &str)]) -> Result<Vec<f64>, FollowError> {
+    let frame = motion.frames.first().ok_or(FollowError::NoFrames)?;
     let length = |(from, to): &(&str, &str)| Ok(distance(frame[motion.column(from)?], frame[motion.column(to)?]));
     segments.iter().map(length).collect()
 }
@@ -66,9 +66,12 @@ mod tests {
 
     #[test]
     fn a_motion_without_points_or_frames_is_refused() {
-        assert_eq!(scale(&Trajectories::default(), &SEGMENTS, Scale::Medians), Err(Error::NoPoint("LShoulder".into())));
+        assert_eq!(
+            scale(&Trajectories::default(), &SEGMENTS, Scale::Medians),
+            Err(FollowError::Body(sinew_body::Error::NoPoint("LShoulder".into())))
+        );
         let named = Trajectories { names: vec!["LShoulder".into(), "LElbow".into()], frames: vec![] };
-        assert_eq!(scale(&named, &SEGMENTS[..1], Scale::Medians), Err(Error::NoFrames));
-        assert_eq!(scale(&named, &SEGMENTS[..1], Scale::LeastSquares), Err(Error::NoFrames));
+        assert_eq!(scale(&named, &SEGMENTS[..1], Scale::Medians), Err(FollowError::NoFrames));
+        assert_eq!(scale(&named, &SEGMENTS[..1], Scale::LeastSquares), Err(FollowError::NoFrames));
     }
 }

@@ -2,7 +2,8 @@
 //!
 //! | module | what |
 //! |---|---|
-//! | [`points`] | named points in space over time, from states or from files |
+//! | [`mod@convert`] | motion files into each other |
+//! | [`learn`] | a model of motion or poses from motion files |
 //! | [`recorded`] | the joints of a motion file, by the names that are in use |
 //! | [`cmu`] | the joints of recordings of the CMU database |
 //! | [`follow`] | one of four bodies by name, and its states along a motion |
@@ -15,7 +16,7 @@
 //! ```
 //! use sinew_body::hppf24;
 //! use sinew_motion::damped_fit::{MotionFollowing, states};
-//! use sinew_motion::points::points_of_states;
+//! use sinew_body::points::points_of_states;
 //!
 //! let body = hppf24::tree(1.0);
 //! let mut standing = vec![0.0; body.dof()];
@@ -23,18 +24,21 @@
 //! let motion = points_of_states(&body, &[standing]);
 //! let found = states(&body, &motion, &MotionFollowing::default())?;
 //! assert!((found[0][2] - 0.9).abs() < 0.01);
-//! # Ok::<(), sinew_motion::Error>(())
+//! # Ok::<(), sinew_motion::FollowError>(())
 //! ```
 
 pub mod cmu;
+pub mod convert;
 pub mod damped_fit;
 mod error;
 pub mod follow;
+mod follow_error;
 pub mod gltf;
 pub mod hppf24_scale;
+pub mod learn;
 pub mod median_lengths;
-pub mod points;
 pub mod recorded;
 pub mod retarget;
 
-pub use error::{Error, NEEDED};
+pub use error::Error;
+pub use follow_error::{FollowError, NEEDED};

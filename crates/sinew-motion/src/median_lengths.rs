@@ -2,9 +2,9 @@
 //!
 //! Left and right have their mean. The trunk reaches from the middle of the hips to the middle of the shoulders and to the base of the neck. Thicknesses, feet and faces are none of this.
 
-use crate::Error;
-use crate::points::{Trajectories, between, distance};
+use crate::FollowError;
 use sinew_body::Proportions;
+use sinew_body::points::{Trajectories, between, distance};
 
 /// A place on the person: a point, or the middle of two.
 type Place = [&'static str; 2];
@@ -19,10 +19,10 @@ const fn point(name: &'static str) -> Place {
 /// The sizes of a body whose root lies above the middle of the hips by this share of the trunk; the motion has all joints of evaluation.
 ///
 /// # Errors
-/// [`Error::NoPoint`], [`Error::NoFrames`], and [`Error::NoPose`] for positions that are no numbers.
-pub fn median_lengths(motion: &Trajectories, root: f64) -> Result<Proportions, Error> {
+/// [`FollowError::NoPoint`], [`FollowError::NoFrames`], and [`FollowError::NoPose`] for positions that are no numbers.
+pub fn median_lengths(motion: &Trajectories, root: f64) -> Result<Proportions, FollowError> {
     let length = |from: Place, to: Place| median_distance(motion, from, to);
-    let both = |from: &str, to: &str| -> Result<f64, Error> {
+    let both = |from: &str, to: &str| -> Result<f64, FollowError> {
         let side = |side: &str| {
             let [from, to] = [from, to].map(|name| format!("{side}{name}"));
             median_distance(motion, [&from, &from], [&to, &to])
@@ -46,22 +46,22 @@ pub fn median_lengths(motion: &Trajectories, root: f64) -> Result<Proportions, E
         shin: both("Knee", "Ankle")?,
         ..Proportions::default()
     };
-    if found.is_finite() { Ok(found) } else { Err(Error::NoPose) }
+    if found.is_finite() { Ok(found) } else { Err(FollowError::NoPose) }
 }
 
-fn median_distance(motion: &Trajectories, from: [&str; 2], to: [&str; 2]) -> Result<f64, Error> {
-    let columns = |place: [&str; 2]| Ok([motion.column(place[0])?, motion.column(place[1])?]);
+fn median_distance(motion: &Trajectories, from: [&str; 2], to: [&str; 2]) -> Result<f64, FollowError> {
+    let columns = |place: [&str; 2]| Ok::<_, sinew_body::Error>([motion.column(place[0])?, motion.column(place[1])?]);
     let (from, to) = (columns(from)?, columns(to)?);
     let place = |frame: &[[f64; 3]], [a, b]: [usize; 2]| between(frame[a], frame[b], 0.5);
     let mut all: Vec<f64> = motion.frames.iter().map(|frame| distance(place(frame, from), place(frame, to))).collect();
     all.sort_by(f64::total_cmp);
-    all.get(all.len() / 2).copied().ok_or(Error::NoFrames)
+    all.get(all.len() / 2).copied().ok_or(FollowError::NoFrames)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::points::points_of_states;
+    use sinew_body::points::points_of_states;
     use sinew_body::{KinematicTree, hapf31, hppf24};
 
     #[test]
@@ -88,6 +88,9 @@ mod tests {
                 assert!(distance(a.offset, b.offset) < 1e-9, "{}: {:?} for {:?}", a.name, a.offset, b.offset);
             }
         }
-        assert_eq!(median_lengths(&Trajectories::default(), 0.0), Err(Error::NoPoint("LHip".into())));
+        assert_eq!(
+            median_lengths(&Trajectories::default(), 0.0),
+            Err(FollowError::Body(sinew_body::Error::NoPoint("LHip".into())))
+        );
     }
 }

@@ -5,9 +5,9 @@
 //!
 //! BVH files state no unit. Of metres, CMU's unit (0.0254/0.45 m), inches, centimetres and millimetres the first is taken that gives legs of 0.6 to 1.2 m.
 
-use crate::Error;
+use crate::FollowError;
 use crate::cmu::resampled;
-use crate::points::{Trajectories, between, distance};
+use sinew_body::points::{Trajectories, between, distance};
 use sinew_formats::point_table::PointTable;
 
 /// Our name and what others call the joint, in lower case, the best name first.
@@ -47,20 +47,20 @@ const LEG_M: std::ops::Range<f64> = 0.6..1.2;
 /// A motion in points, at a rate, with the unit that was assumed where it is unknown: BVH files do not say it.
 ///
 /// # Errors
-/// [`Error::SingleFrame`], [`Error::UnknownJoints`], [`Error::Gap`], [`Error::Unit`].
+/// [`FollowError::SingleFrame`], [`FollowError::UnknownJoints`], [`FollowError::Gap`], [`FollowError::Unit`].
 pub fn from_points(
     table: &PointTable,
     recorded_hz: f64,
     is_in_metres: bool,
     rate_hz: f64,
-) -> Result<(Trajectories, Option<&'static str>), Error> {
+) -> Result<(Trajectories, Option<&'static str>), FollowError> {
     if recorded_hz.is_nan() || recorded_hz <= 0.0 {
-        return Err(Error::SingleFrame);
+        return Err(FollowError::SingleFrame);
     }
     let mut found = named(table)?;
     let mut assumed = None;
     if !is_in_metres {
-        let (unit, metres) = unit_of(&found).ok_or(Error::Unit)?;
+        let (unit, metres) = unit_of(&found).ok_or(FollowError::Unit)?;
         found.frames.iter_mut().flatten().flatten().for_each(|x| *x *= metres);
         assumed = (metres != 1.0).then_some(unit);
     }
@@ -69,14 +69,14 @@ pub fn from_points(
 }
 
 /// The joints that are needed and those that are welcome, by our names.
-fn named(table: &PointTable) -> Result<Trajectories, Error> {
+fn named(table: &PointTable) -> Result<Trajectories, FollowError> {
     let theirs: Vec<String> =
         table.names.iter().map(|name| name.rsplit(':').next().unwrap_or(name).trim().to_lowercase()).collect();
     let column = |(_, names): &Names| names.iter().find_map(|name| theirs.iter().position(|their| their == name));
     let missing: Vec<&'static str> =
         NEEDED.iter().filter(|names| column(names).is_none()).map(|(name, _)| *name).collect();
     if !missing.is_empty() {
-        return Err(Error::UnknownJoints(missing));
+        return Err(FollowError::UnknownJoints(missing));
     }
     let columns: Vec<(&'static str, usize)> =
         NEEDED.iter().chain(&WELCOME).filter_map(|names| Some((names.0, column(names)?))).collect();
@@ -90,7 +90,7 @@ fn named(table: &PointTable) -> Result<Trajectories, Error> {
         let mut points = Vec::with_capacity(columns.len() + 1);
         for &(joint, k) in &columns {
             let point = frame.get(k).copied().flatten();
-            points.push(point.ok_or(Error::Gap { joint, frame: number })?);
+            points.push(point.ok_or(FollowError::Gap { joint, frame: number })?);
         }
         points.push(between(points[left], points[right], 0.5));
         motion.frames.push(points);

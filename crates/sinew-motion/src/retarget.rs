@@ -5,10 +5,10 @@
 //!
 //! The recorded joints are the truth of an experiment with model error, the points of the fitted body that of one without.
 
-use crate::points::{Trajectories, mean_distance, points_of_states};
 use sinew_body::bundle;
 use sinew_body::fit::{self, Target, fit_pose};
 use sinew_body::initial::initial_pose;
+use sinew_body::points::{Trajectories, mean_distance, points_of_states};
 use sinew_body::standard::{EVALUATION_JOINTS, h32};
 use sinew_body::subject::{self, Measured};
 use sinew_body::{Joint, KinematicTree, Plan, Proportions};

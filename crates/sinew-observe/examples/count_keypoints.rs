@@ -11,7 +11,7 @@ use sinew_body::standard::h32;
 use sinew_body::{Plan, Proportions, point_positions};
 use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
 use sinew_core::lanes::{Block, Isa, triangle};
-use sinew_observe::lens::{Brown, Fisheye, Lens, Rational};
+use sinew_observe::cameras::lens::{Brown, Fisheye, Lens, Rational};
 use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
 use std::error::Error;
 use std::hint::black_box;

@@ -10,10 +10,10 @@
 use sinew_body::hppf24;
 use sinew_core::density::{LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
-use sinew_observe::contour_map::contour_map;
-use sinew_observe::image_likelihood::{Cues, ImageModel};
-use sinew_observe::image_score::ImageScore;
-use sinew_observe::solid_body::SolidBody;
+use sinew_observe::silhouettes::contour_map::contour_map;
+use sinew_observe::silhouettes::image_likelihood::{Cues, ImageModel};
+use sinew_observe::silhouettes::image_score::ImageScore;
+use sinew_observe::silhouettes::solid_body::SolidBody;
 use sinew_observe::{Camera, ObservationModel};
 use std::error::Error;
 use std::hint::black_box;

@@ -1,6 +1,6 @@
 //! Which detection in each view is the tracked person?
 //!
-//! **At the start**, and again once he has been lost for some frames, by consistency over cameras ([`groups`]):
+//! **At the start**, and again once a person has been lost for some frames, by consistency over cameras ([`groups`]):
 //!
 //! 1. Seeds: each pair of people in two of the (at most [`Config::seed_cameras`]) cameras that see most keypoints is triangulated keypoint by keypoint.
 //! 2. Where the pair agrees with its own pixels, every other camera contributes the person whose keypoints lie nearest to the projected points, if near enough.
@@ -11,11 +11,18 @@
 //!
 //! **Afterwards** by nearness ([`nearest`]): in each camera the person nearest to where the keypoints were predicted, within a gate. Bystanders fall outside it.
 //!
-//! [`crate::following`] is the two together with the little memory that they need.
+//! [`crate::association::following`] is the two together with the little memory that they need.
 
-use crate::camera::Camera;
-use crate::keypoint_model::Detection;
-use crate::triangulate::{Seen, linear};
+pub mod assignment;
+pub mod following;
+pub mod identities;
+pub mod identities_joining;
+pub mod view_partition;
+
+use crate::cameras::camera::Camera;
+use crate::cameras::triangulate::{Seen, linear};
+use crate::keypoints::keypoint_model::Detection;
+use sinew_core::estimators::median;
 
 /// Keypoints of one person in one view, in the order of the layout; `None` is missing.
 pub type Person = Vec<Option<Detection>>;
@@ -84,11 +91,6 @@ pub(crate) fn size_px(pixels: impl Iterator<Item = [f64; 2]>) -> f64 {
 
 pub(crate) fn person_size_px(person: &Person, config: &Config) -> f64 {
     size_px(person.iter().filter_map(|d| usable(*d, config)).map(|d| d.pixel)).max(1.0)
-}
-
-pub(crate) fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::INFINITY)
 }
 
 /// Median distance of a person's keypoints from expected pixels (in pixels) and the number of shared ones; `None` where too few are shared.

@@ -1,8 +1,8 @@
 //! What is bound in a frame: keypoints, silhouettes, or both. Each tracker takes from it what it can use.
 
 use crate::KeypointLikelihood;
-use crate::image_likelihood::ImageLikelihood;
-use crate::soft_silhouette::SoftSilhouette;
+use crate::silhouettes::image_likelihood::ImageLikelihood;
+use crate::silhouettes::soft_silhouette::SoftSilhouette;
 use sinew_core::density::{GaussNewton, Global, GradLogDensity, LogDensity, PartLogDensity};
 use sinew_core::lanes::Block;
 
@@ -198,12 +198,12 @@ impl FrameLikelihood {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bit_image::BitImage;
-    use crate::contour_map::contour_map;
-    use crate::image_likelihood::{Cues, ImageModel};
-    use crate::image_score::ImageScore;
-    use crate::soft_silhouette::SoftSilhouetteModel;
-    use crate::solid_body::SolidBody;
+    use crate::silhouettes::bit_image::BitImage;
+    use crate::silhouettes::contour_map::contour_map;
+    use crate::silhouettes::image_likelihood::{Cues, ImageModel};
+    use crate::silhouettes::image_score::ImageScore;
+    use crate::silhouettes::soft_silhouette::SoftSilhouetteModel;
+    use crate::silhouettes::solid_body::SolidBody;
     use crate::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
     use sinew_body::standard::h32;
     use sinew_body::standard_flesh::standard_flesh;

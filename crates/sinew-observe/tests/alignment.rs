@@ -3,11 +3,11 @@
 use sinew_body::hppf24;
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
-use sinew_observe::alignment::{Aligned, SIGMA};
-use sinew_observe::bit_image::BitImage;
-use sinew_observe::image_likelihood::{Cues, ImageLikelihood, ImageModel};
-use sinew_observe::image_score::ImageScore;
-use sinew_observe::solid_body::SolidBody;
+use sinew_observe::silhouettes::alignment::{Aligned, SIGMA};
+use sinew_observe::silhouettes::bit_image::BitImage;
+use sinew_observe::silhouettes::image_likelihood::{Cues, ImageLikelihood, ImageModel};
+use sinew_observe::silhouettes::image_score::ImageScore;
+use sinew_observe::silhouettes::solid_body::SolidBody;
 use sinew_observe::{Camera, ObservationModel};
 use std::sync::Arc;
 

@@ -1,8 +1,8 @@
 //! Laws of cameras: derivatives, the inverse of the distortion, epipolar geometry, rigid motions.
 
 use proptest::prelude::*;
-use sinew_observe::lens::Brown;
-use sinew_observe::triangulate::{self, Seen, triangulate};
+use sinew_observe::cameras::lens::Brown;
+use sinew_observe::cameras::triangulate::{self, Seen, triangulate};
 use sinew_observe::{Camera, Intrinsics};
 
 type M3 = [[f64; 3]; 3];

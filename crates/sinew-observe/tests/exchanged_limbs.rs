@@ -4,9 +4,9 @@ use sinew_body::standard::h32;
 use sinew_body::{Plan, Proportions, point_positions};
 use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES, set_lane};
-use sinew_observe::bystanders::elsewhere;
-use sinew_observe::following::Associated;
-use sinew_observe::mistakes::paired_limbs;
+use sinew_observe::association::following::Associated;
+use sinew_observe::keypoints::bystanders::elsewhere;
+use sinew_observe::keypoints::mistakes::paired_limbs;
 use sinew_observe::{
     Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View, association,
 };

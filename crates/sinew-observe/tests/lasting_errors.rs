@@ -4,9 +4,9 @@ use sinew_body::point_derivatives::{Neighbours, length_names};
 use sinew_body::standard::h32;
 use sinew_body::{Plan, Proportions};
 use sinew_core::lanes::{Block, Isa, numbers, numbers_mut};
-use sinew_observe::camera_error::{NUMBERS, with_error};
-use sinew_observe::drawn_errors::DrawnErrors;
-use sinew_observe::lasting_errors::{
+use sinew_observe::cameras::camera_error::{NUMBERS, with_error};
+use sinew_observe::lasting::drawn_errors::DrawnErrors;
+use sinew_observe::lasting::lasting_errors::{
     LastingErrors, linearised, linearised_detections, on_time, pixels_per_metre, pose_information, whitened_rows,
 };
 use sinew_observe::{Camera, Detection, KeypointModel, Mistakes, Noise, View};
@@ -85,7 +85,7 @@ impl Scene {
         0.5 * frame.residuals.iter().map(|r| square(r.residual_px) / r.noise_px2).sum::<f64>()
     }
 
-    fn linearised(&self, pose: &[f64], g: &[f64]) -> sinew_observe::lasting_errors::LinearisedFrame {
+    fn linearised(&self, pose: &[f64], g: &[f64]) -> sinew_observe::lasting::lasting_errors::LinearisedFrame {
         let body = self.neighbours.reshaped(&g[self.errors.lengths()], &g[self.errors.places()]).at(pose);
         let seen = |(c, camera): (usize, &Camera)| {
             on_time(camera, &self.detections[c], &body.positions, &self.velocities, g[self.errors.lag(c)])

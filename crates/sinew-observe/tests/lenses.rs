@@ -1,7 +1,7 @@
 //! Laws of lenses: derivatives, inverses, domains, and the numbers of OpenCV.
 
 use proptest::prelude::*;
-use sinew_observe::lens::{Brown, Fisheye, Lens, Rational};
+use sinew_observe::cameras::lens::{Brown, Fisheye, Lens, Rational};
 use sinew_observe::{Camera, Intrinsics, Projection};
 
 /// Every lens, with coefficients from mild to so strong that the domain ends inside the image.
@@ -58,8 +58,8 @@ proptest! {
     #[test]
     fn a_domain_ends_where_the_radius_stops_growing(lens in lens()) {
         let radial = match lens.distortion() {
-            sinew_observe::lens::Distortion::Brown(lens) => Brown { p1: 0.0, p2: 0.0, ..*lens }.into(),
-            sinew_observe::lens::Distortion::Rational(lens) => Rational { p1: 0.0, p2: 0.0, ..*lens }.into(),
+            sinew_observe::cameras::lens::Distortion::Brown(lens) => Brown { p1: 0.0, p2: 0.0, ..*lens }.into(),
+            sinew_observe::cameras::lens::Distortion::Rational(lens) => Rational { p1: 0.0, p2: 0.0, ..*lens }.into(),
             _ => lens,
         };
         let limit = radial.valid_radius();

@@ -5,7 +5,7 @@ use sinew_body::standard::{cf28, h32};
 use sinew_body::{Plan, Proportions, point_jacobian, point_positions};
 use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES, set_lane, triangle};
-use sinew_observe::lens::{Brown, Fisheye, Lens, Rational};
+use sinew_observe::cameras::lens::{Brown, Fisheye, Lens, Rational};
 use sinew_observe::{
     Camera, Detection, Intrinsics, KeypointFrame, KeypointModel, MarkerModel, Mistakes, Noise, ObservationModel, View,
 };

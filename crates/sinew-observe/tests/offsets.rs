@@ -2,8 +2,8 @@
 
 use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::Stage;
-use sinew_observe::offsets::{Config, Sighted, estimate, hidden_shift_m};
-use sinew_observe::triangulate::{Seen, linear};
+use sinew_observe::cameras::offsets::{Config, Sighted, estimate, hidden_shift_m};
+use sinew_observe::cameras::triangulate::{Seen, linear};
 use sinew_observe::{Camera, Detection};
 
 fn ring(n: usize) -> Vec<Camera> {
@@ -67,7 +67,10 @@ fn check_offsets(confidence: f64, config: Config) {
     }
     for axis in 0..3 {
         let mut along: Vec<f64> = shifts.iter().map(|s| s[axis]).collect();
-        assert!(sinew_observe::offsets::median(&mut along).abs() < 2e-3, "points are shifted along axis {axis}");
+        assert!(
+            sinew_observe::cameras::offsets::median(&mut along).abs() < 2e-3,
+            "points are shifted along axis {axis}"
+        );
     }
     assert!(noise.iter().all(|n| n.sigma_px < 1.0 && n.usual_confidence == confidence));
 }

@@ -8,10 +8,10 @@ use sinew_body::{KinematicTree, Proportions};
 use sinew_core::density::{LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::Stage;
-use sinew_observe::contour_map::contour_map;
-use sinew_observe::image_likelihood::{Cues, ImageLikelihood, ImageModel};
-use sinew_observe::image_score::ImageScore;
-use sinew_observe::solid_body::SolidBody;
+use sinew_observe::silhouettes::contour_map::contour_map;
+use sinew_observe::silhouettes::image_likelihood::{Cues, ImageLikelihood, ImageModel};
+use sinew_observe::silhouettes::image_score::ImageScore;
+use sinew_observe::silhouettes::solid_body::SolidBody;
 use sinew_observe::{Camera, ObservationModel};
 use std::sync::Arc;
 

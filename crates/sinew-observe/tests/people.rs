@@ -2,14 +2,14 @@
 //!
 //! Stick figures of nine points stand in a ring of four cameras and are seen without noise, so that every answer is exact.
 
+use sinew_observe::association::following::{Associated, Following, follow};
+use sinew_observe::association::identities::Identities;
+use sinew_observe::association::view_partition::partition;
 use sinew_observe::association::{Config, Person, groups, nearest, triangulated};
-use sinew_observe::cross_view::{
+use sinew_observe::cameras::cross_view::{
     best_lag, cameras_behind, expected_from_others, lag_change, residual_by_lag, swapped_spans,
 };
-use sinew_observe::following::{Associated, Following, associate, follow};
-use sinew_observe::identities::Identities;
-use sinew_observe::offsets::{CameraNoise, Sighted};
-use sinew_observe::view_partition::partition;
+use sinew_observe::cameras::offsets::{CameraNoise, Sighted};
 use sinew_observe::{Camera, Detection};
 
 fn cameras() -> Vec<Camera> {
@@ -161,7 +161,7 @@ fn frame(cameras: &[Camera], x: Option<f64>) -> Vec<Vec<Person>> {
     cameras.iter().map(people).collect()
 }
 
-/// Follows over frames and says where he was found in the first camera, and how long he has been lost.
+/// Follows over frames and says where they were found in the first camera, and how long they have been lost.
 fn followed(following: &mut Following, x: &[Option<f64>]) -> Vec<(Option<usize>, usize)> {
     let cameras = cameras();
     let step = |x: &Option<f64>| {
@@ -189,10 +189,10 @@ fn the_second_person_is_followed_lost_and_found_by_his_limbs() {
     let there = |n: usize| vec![Some(0.3); n];
     assert_eq!(followed(&mut following, &there(2)), [(Some(1), 0); 2]);
     assert!(following.started);
-    // Nobody is where he was: lost, frame by frame, and found again near there.
+    // Nobody is where they were: lost, frame by frame, and found again near there.
     let lost = followed(&mut following, &[None, None, None, Some(0.35)]);
     assert_eq!(lost, [(None, 1), (None, 2), (None, 3), (Some(1), 0)]);
-    // Away for ten frames, then far from there: known by his limbs, and not the shorter one.
+    // Away for ten frames, then far from there: known by their limbs, and not the shorter one.
     let away = followed(&mut following, &[None; 10]);
     assert_eq!(away.last(), Some(&(None, 10)));
     assert_eq!(followed(&mut following, &[None]), [(None, 11)], "the shorter one is someone else");
@@ -204,11 +204,11 @@ fn where_a_prediction_is_given_it_counts() {
     let cameras = cameras();
     let mut following = Following::default();
     let at = |x: f64| cameras.iter().map(|c| vec![seen(c, &figure(x, 0.0, 1.0))]).collect::<Vec<_>>();
-    assert_eq!(associate(&mut following, &cameras, &at(0.0), None, &Config::default()), [Some(0); 4]);
+    assert_eq!(follow(&mut following, &cameras, &at(0.0), None, &Config::default()).members, [Some(0); 4]);
     let predicted: Vec<_> = at(0.9).iter().map(|people| pixels(&people[0])).collect();
     let mut other = following.clone();
-    assert_eq!(associate(&mut other, &cameras, &at(0.9), Some(&predicted), &Config::default()), [Some(0); 4]);
-    assert_eq!(associate(&mut following, &cameras, &at(0.9), None, &Config::default()), [None; 4]);
+    assert_eq!(follow(&mut other, &cameras, &at(0.9), Some(&predicted), &Config::default()).members, [Some(0); 4]);
+    assert_eq!(follow(&mut following, &cameras, &at(0.9), None, &Config::default()).members, [None; 4]);
 }
 
 #[test]
@@ -433,7 +433,7 @@ fn a_person_who_comes_back_is_known_by_limbs_and_a_stranger_is_new() {
     // Two stays from the start, in the order of the groups, and one more.
     assert!([0, 1].contains(&stays(1.0)[2]) && stays(1.0).len() == 3);
     assert_eq!(stays(1.4)[2], 2);
-    // Each is who he was before.
+    // Each is who they were before.
     let (gone, both) = ((15, vec![]), |a: f64, b: f64| (10, vec![figure(0.3, 0.2, a), figure(-0.3, 0.0, b)]));
     let again = staying(&[both(1.0, 0.7), gone.clone(), both(1.0, 0.7)]);
     let other = staying(&[both(1.0, 0.7), gone.clone(), both(0.7, 1.0)]);
@@ -450,7 +450,7 @@ fn a_view_that_contradicts_the_others_is_not_taken() {
     let own = figure(0.2, 0.0, 1.0);
     identities.name(&listed(&cameras, std::slice::from_ref(&own), 1));
     let mut people = listed(&cameras, std::slice::from_ref(&own), 1);
-    // In one view somebody else stands near where he is expected.
+    // In one view somebody else stands near where they are expected.
     people[2] = vec![seen(&cameras[2], &figure(0.36, -0.38, 1.0))];
     let named = identities.name(&people);
     assert_eq!(named, [vec![Some(0)], vec![Some(0)], vec![None], vec![Some(0)]]);

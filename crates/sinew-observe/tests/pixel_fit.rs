@@ -3,7 +3,7 @@
 use sinew_body::standard::cf28;
 use sinew_body::{KinematicTree, Plan, Proportions, point_positions};
 use sinew_core::lanes::Isa;
-use sinew_observe::pixel_fit::{PixelFit, fit_pixels};
+use sinew_observe::keypoints::pixel_fit::{PixelFit, fit_pixels};
 use sinew_observe::{Camera, Detection, View};
 
 const SD: f64 = 0.7;

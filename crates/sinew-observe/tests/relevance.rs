@@ -5,10 +5,10 @@ use sinew_body::hppf24;
 use sinew_core::density::PartLogDensity;
 use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::Stage;
-use sinew_observe::bit_image::BitImage;
-use sinew_observe::image_likelihood::{Cues, ImageModel};
-use sinew_observe::image_score::ImageScore;
-use sinew_observe::solid_body::SolidBody;
+use sinew_observe::silhouettes::bit_image::BitImage;
+use sinew_observe::silhouettes::image_likelihood::{Cues, ImageModel};
+use sinew_observe::silhouettes::image_score::ImageScore;
+use sinew_observe::silhouettes::solid_body::SolidBody;
 use sinew_observe::{Camera, ObservationModel};
 use std::sync::Arc;
 

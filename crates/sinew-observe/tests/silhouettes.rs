@@ -1,17 +1,19 @@
 //! Outlines, pixels and scores of bodies in images against brute force.
 
+mod hull;
+
+use hull::convex_hull;
 use proptest::prelude::*;
 use sinew_body::frustum::Frustum;
 use sinew_body::{KinematicTree, Plan, hppf24, point_positions};
 use sinew_core::density::{LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
-use sinew_observe::bit_image::{BitImage, overlap};
-use sinew_observe::colour_histogram::Counts;
-use sinew_observe::hull::convex_hull;
-use sinew_observe::image_likelihood::{Cues, ImageModel};
-use sinew_observe::image_score::ImageScore;
-use sinew_observe::solid_body::SolidBody;
+use sinew_observe::silhouettes::bit_image::{BitImage, overlap};
+use sinew_observe::silhouettes::colour_histogram::Counts;
+use sinew_observe::silhouettes::image_likelihood::{Cues, ImageModel};
+use sinew_observe::silhouettes::image_score::ImageScore;
+use sinew_observe::silhouettes::solid_body::SolidBody;
 use sinew_observe::{Camera, Map, ObservationModel, RgbImage};
 use std::sync::Arc;
 

@@ -4,11 +4,11 @@ use sinew_body::hppf24;
 use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES, triangle};
 use sinew_core::random::Stage;
-use sinew_observe::bit_image::BitImage;
-use sinew_observe::image_likelihood::ImageModel;
-use sinew_observe::image_score::ImageScore;
-use sinew_observe::soft_silhouette::{SoftSilhouette, SoftSilhouetteModel};
-use sinew_observe::solid_body::SolidBody;
+use sinew_observe::silhouettes::bit_image::BitImage;
+use sinew_observe::silhouettes::image_likelihood::ImageModel;
+use sinew_observe::silhouettes::image_score::ImageScore;
+use sinew_observe::silhouettes::soft_silhouette::{SoftSilhouette, SoftSilhouetteModel};
+use sinew_observe::silhouettes::solid_body::SolidBody;
 use sinew_observe::{Camera, ObservationModel};
 use std::sync::Arc;
 

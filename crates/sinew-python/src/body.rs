@@ -95,9 +95,9 @@ impl PyBody {
         self.tree.links().iter().map(|link| link.parent).collect()
     }
 
-    /// For each degree of freedom the index of its link, `translate` or `rotate`, and the axis (0, 1, 2) of the link's frame so far.
+    /// For each degree of freedom the index of its link, `translate` or `rotate`, and the axis (0, 1, 2) of the link's frame so far; None for a free axis.
     #[getter]
-    fn joints(&self) -> Vec<(usize, &'static str, usize)> {
+    fn joints(&self) -> Vec<(usize, &'static str, Option<usize>)> {
         let word = |(link, joint)| match joint {
             Joint::Translate(axis) => (link, "translate", axis.index()),
             Joint::Rotate(axis) => (link, "rotate", axis.index()),

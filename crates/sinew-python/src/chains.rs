@@ -5,19 +5,14 @@ use crate::background::interruptible;
 use crate::failure::{Failure, USAGE};
 use crate::log_density::PythonDensity;
 use numpy::PyArrayDyn;
+use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
-use sinew::core::lanes::{Block, Isa, LANES, set_lane};
-use sinew::core::random::Stage;
-use sinew::samplers::Error;
-use sinew::samplers::chains::{self, ChainDraws, Schedule};
-use sinew::samplers::hmc::Hmc;
-use sinew::samplers::nuts::{self, Nuts};
-use sinew::samplers::warm_up::{Config, warm_up};
+use sinew::samplers::chains::ChainStat;
+use sinew::samplers::warm_up::SHORTEST;
+use sinew::samplers::{Error, Run, Starts, hmc, nuts};
+use std::ffi::CString;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Jitter of the step size of Hamiltonian trajectories of fixed length.
-const JITTER: f64 = 0.2;
 
 /// Draws of several chains.
 ///
@@ -31,8 +26,14 @@ const JITTER: f64 = 0.2;
 ///     (chains, draws), probability with which the trajectory was accepted, and Hamiltonian.
 /// diverging
 ///     (chains, draws), whether the trajectory diverged.
+/// leapfrog_steps, depth
+///     (chains, draws), gradients that the trajectory took, and doublings of its tree (0 for trajectories of fixed length).
 /// step_size
 ///     Step size of the trajectories, in units of the learned metric.
+/// summary
+///     The table that `print` shows: mean, deviation, effective sample sizes and R-hat of each coordinate, divergences, and what speaks against the draws.
+/// warnings
+///     What speaks against the draws; each was given to `warnings.warn` too.
 #[pyclass(frozen, get_all, name = "ChainDraws", module = "sinew")]
 pub(crate) struct PyChainDraws {
     draws: Py<PyArrayDyn<f64>>,
@@ -40,13 +41,21 @@ pub(crate) struct PyChainDraws {
     acceptance_rate: Py<PyArrayDyn<f64>>,
     energy: Py<PyArrayDyn<f64>>,
     diverging: Py<PyArrayDyn<bool>>,
+    leapfrog_steps: Py<PyArrayDyn<u32>>,
+    depth: Py<PyArrayDyn<u32>>,
     step_size: f64,
+    summary: String,
+    warnings: Vec<String>,
 }
 
 #[pymethods]
 impl PyChainDraws {
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         Ok(format!("ChainDraws(draws {}, step size {:.3})", self.draws.bind(py).getattr("shape")?, self.step_size))
+    }
+
+    fn __str__(&self) -> &str {
+        &self.summary
     }
 }
 
@@ -96,7 +105,7 @@ pub(crate) fn no_u_turn(
 
 /// Hamiltonian Monte Carlo with trajectories of fixed length on a log density written in Python.
 ///
-/// The slow path, as `nuts` is. Metric and step size come from the same warm-up.
+/// The slow path, as `nuts` is. The metric comes from the same warm-up, the step size from trials with trajectories of this length.
 ///
 /// Parameters
 /// ----------
@@ -133,9 +142,9 @@ struct Plan {
 impl Plan {
     fn check(&self) -> Result<(), Failure> {
         let refused = |what: String| Failure { code: USAGE, ..Failure::argument(what) };
-        if self.draws == 0 || self.warm_up < LEAST_WARM_UP {
+        if self.draws == 0 || self.warm_up < SHORTEST {
             return Err(refused(format!(
-                "`draws` is {} and `warm_up` is {}; at least 1 and {LEAST_WARM_UP} are needed",
+                "`draws` is {} and `warm_up` is {}; at least 1 and {SHORTEST} are needed",
                 self.draws, self.warm_up
             )));
         }
@@ -145,40 +154,41 @@ impl Plan {
         Ok(())
     }
 
-    /// Windows that double, the last one for the step size alone.
-    fn windows(&self) -> Config {
-        let part = self.warm_up / 17;
-        let windows = vec![part, 2 * part, 4 * part, 8 * part];
-        let last_window = self.warm_up - windows.iter().sum::<usize>();
-        let max_depth = match self.trajectories {
-            Trajectories::NoUTurn { max_depth } => max_depth,
-            Trajectories::Fixed { .. } => nuts::MAX_DEPTH,
-        };
-        Config { windows, last_window, acceptance: self.acceptance, max_depth, ..Config::default() }
-    }
-
-    fn run(&self, target: &PythonDensity<'_>, starts: &[Block], chains: usize) -> Result<(ChainDraws, f64), Error> {
-        let isa = Isa::best();
-        let stage = Stage::new(self.seed, "chains of a Python density");
-        let [warming, drawing] = stage.split(["warm-up", "draws"]);
-        let warm = warm_up(target, starts, chains, &self.windows(), isa, &warming)?;
-        let schedule = Schedule { updates: self.draws, burn_in: 1 };
-        let draws = match self.trajectories {
+    fn run(&self, target: &PythonDensity<'_>, starts: Vec<Vec<f64>>) -> Result<Run, Error> {
+        let Self { draws, warm_up, acceptance, seed, .. } = *self;
+        let (chains, starts) = (starts.len(), Starts::Given(starts));
+        match self.trajectories {
             Trajectories::NoUTurn { max_depth } => {
-                let kernel = Nuts::with_metric(warm.step_size, &warm.metric, max_depth, 0.0, isa)?;
-                nuts::draw(target, &kernel, &warm.states, chains, schedule, &drawing)?.draws
+                let settings = nuts::Settings {
+                    chains,
+                    draws,
+                    warm_up,
+                    seed,
+                    starts,
+                    acceptance,
+                    max_depth,
+                    ..Default::default()
+                };
+                nuts::sample(target, settings)
             }
             Trajectories::Fixed { leapfrog_steps } => {
-                let kernel = Hmc::with_metric(warm.step_size, &warm.metric, leapfrog_steps, JITTER, isa)?;
-                chains::draw(target, &kernel, &warm.states, chains, schedule, &drawing)?
+                let lengths = vec![leapfrog_steps];
+                let settings = hmc::Settings {
+                    chains,
+                    draws,
+                    warm_up,
+                    seed,
+                    starts,
+                    acceptance,
+                    lengths,
+                    jitter: 0.2,
+                    ..Default::default()
+                };
+                hmc::sample(target, settings)
             }
-        };
-        Ok((draws, warm.step_size))
+        }
     }
 }
-
-/// Transitions without which no metric is learned.
-const LEAST_WARM_UP: usize = 170;
 
 fn sample(py: Python<'_>, function: &Py<PyAny>, starts: &Bound<'_, PyAny>, plan: Plan) -> PyResult<PyChainDraws> {
     plan.check()?;
@@ -190,7 +200,7 @@ fn sample(py: Python<'_>, function: &Py<PyAny>, starts: &Bound<'_, PyAny>, plan:
     }
     // The draws twice, and what is known of each.
     affordable(&[plan.draws.max(plan.warm_up), chains, 2 * dim + 10])?;
-    let blocks = blocks(starts.finite()?, dim);
+    let starts: Vec<Vec<f64>> = starts.finite()?.chunks(dim).map(<[f64]>::to_vec).collect();
     let mut raised = None;
     let stop = Arc::new(AtomicBool::new(false));
     let outcome = interruptible(
@@ -199,7 +209,7 @@ fn sample(py: Python<'_>, function: &Py<PyAny>, starts: &Bound<'_, PyAny>, plan:
         |_| Ok(()),
         || {
             let target = PythonDensity::new(function, dim, &stop);
-            let found = plan.run(&target, &blocks, chains);
+            let found = plan.run(&target, starts);
             raised = target.raised();
             if stop.load(Ordering::Relaxed) { Ok(None) } else { Ok(Some(found)) }
         },
@@ -208,43 +218,30 @@ fn sample(py: Python<'_>, function: &Py<PyAny>, starts: &Bound<'_, PyAny>, plan:
         return Err(raised);
     }
     match outcome {
-        Some(found) => {
-            let (draws, step_size) = found.map_err(Failure::from)?;
-            gathered(py, &draws, step_size)
-        }
+        Some(found) => gathered(py, found.map_err(Failure::from)?),
         None => Err(Failure::bug("stopped without a signal").into()),
     }
 }
 
-/// Starts in blocks of eight; idle lanes repeat the last one.
-fn blocks(starts: &[f64], dim: usize) -> Vec<Block> {
-    let chains = starts.len() / dim;
-    let mut blocks = vec![Block::ZERO; chains.div_ceil(LANES) * dim];
-    for lane in 0..chains.div_ceil(LANES) * LANES {
-        let start = &starts[lane.min(chains - 1) * dim..][..dim];
-        set_lane(&mut blocks[lane / LANES * dim..][..dim], lane % LANES, start);
+fn gathered(py: Python<'_>, run: Run) -> PyResult<PyChainDraws> {
+    let (shape, summary) = ([run.chains, run.draws()], run.summary());
+    let warnings: Vec<String> = summary.warnings.iter().map(ToString::to_string).collect();
+    for warning in &warnings {
+        let text = CString::new(warning.as_str()).map_err(|error| Failure::bug(error.to_string()))?;
+        PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
     }
-    blocks
-}
-
-fn gathered(py: Python<'_>, draws: &ChainDraws, step_size: f64) -> PyResult<PyChainDraws> {
-    let (chains, dim) = (draws.chains, draws.dim);
-    let each = draws.stats.len() / chains;
-    let mut states = vec![0.0; chains * each * dim];
-    for coordinate in 0..dim {
-        for (chain, series) in draws.series(coordinate).into_iter().enumerate() {
-            let places = states[chain * each * dim + coordinate..].iter_mut().step_by(dim);
-            places.zip(series).for_each(|(place, x)| *place = x);
-        }
-    }
-    let by_chain = || (0..chains).flat_map(|chain| draws.stats.iter().skip(chain).step_by(chains));
-    let shape = [chains, each];
+    let numbers = |of: fn(&ChainStat) -> f64| array(py, shape, run.stats.iter().map(of).collect());
+    let counts = |of: fn(&ChainStat) -> u32| array(py, shape, run.stats.iter().map(of).collect());
     Ok(PyChainDraws {
-        draws: array(py, [chains, each, dim], states)?.unbind(),
-        lp: array(py, shape, by_chain().map(|stat| stat.log_density).collect())?.unbind(),
-        acceptance_rate: array(py, shape, by_chain().map(|stat| stat.acceptance).collect())?.unbind(),
-        energy: array(py, shape, by_chain().map(|stat| stat.energy).collect())?.unbind(),
-        diverging: array(py, shape, by_chain().map(|stat| stat.divergent).collect())?.unbind(),
-        step_size,
+        lp: numbers(|stat| stat.log_density)?.unbind(),
+        acceptance_rate: numbers(|stat| stat.acceptance)?.unbind(),
+        energy: numbers(|stat| stat.energy)?.unbind(),
+        diverging: array(py, shape, run.stats.iter().map(|stat| stat.divergent).collect())?.unbind(),
+        leapfrog_steps: counts(|stat| stat.leapfrog_steps)?.unbind(),
+        depth: counts(|stat| stat.depth)?.unbind(),
+        step_size: run.step_size,
+        summary: summary.to_string(),
+        warnings,
+        draws: array(py, [run.chains, run.draws(), run.dim()], run.states)?.unbind(),
     })
 }

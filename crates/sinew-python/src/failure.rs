@@ -97,7 +97,16 @@ macro_rules! program_errors {
     };
 }
 
-program_errors!(sinew::Error, sinew::RecordingError, sinew_tools::Error, sinew_runs::Error);
+program_errors!(
+    sinew::Error,
+    sinew_input::Error,
+    sinew_setup::Error,
+    sinew_results::Error,
+    sinew_motion::Error,
+    sinew_analysis::Error,
+    sinew_report::Error,
+    sinew_batch::Error
+);
 
 impl From<sinew::formats::Error> for Failure {
     fn from(error: sinew::formats::Error) -> Self {

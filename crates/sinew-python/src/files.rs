@@ -12,9 +12,9 @@ use sinew::formats::calibration::{self, CalibrationFormat};
 use sinew::formats::source_text::MAX_CONFIG_BYTES;
 use sinew::formats::{layout, mask, picture};
 use sinew::observe::RgbImage;
-use sinew::observe::bit_image::BitImage;
-use sinew::results::write_whole;
-use sinew_tools::inspect::{Subject, subjects};
+use sinew::observe::silhouettes::bit_image::BitImage;
+use sinew_report::inspect::{Subject, subjects};
+use sinew_results::write_whole;
 use std::path::{Path, PathBuf};
 
 /// What a path leads to, in a word.

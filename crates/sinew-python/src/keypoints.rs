@@ -11,7 +11,7 @@ use sinew::formats::{calibration, camera_name, layout};
 use sinew::input::recording::keypoint_camera::KeypointCamera;
 use sinew::input::recording::keypoint_sources::{layout as stated_layout, sources, stated_rate};
 use sinew::observe::Camera;
-use sinew::results::write_whole;
+use sinew_results::write_whole;
 use std::path::{Path, PathBuf};
 
 /// Names of the points, where they are known.

@@ -7,8 +7,8 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use sinew::formats::mot::Mot;
 use sinew::formats::point_table::PointTable;
-use sinew::results::write_whole;
-use sinew_tools::motion::{self, Content, Format, Motion};
+use sinew_motion::convert::{self, Content, Format, Motion};
+use sinew_results::write_whole;
 use std::path::PathBuf;
 
 /// A motion: points (TRC, C3D, CSV), coordinates (MOT, CSV) or a skeleton (BVH, ASF/AMC) over time.
@@ -150,7 +150,7 @@ pub(crate) fn read_motion(
     skeleton: Option<PathBuf>,
     fps: Option<f64>,
 ) -> PyResult<PyMotion> {
-    detached(py, || Ok(PyMotion(motion::read(&path, skeleton.as_deref(), fps)?)))
+    detached(py, || Ok(PyMotion(convert::read(&path, skeleton.as_deref(), fps)?)))
 }
 
 /// Writes a motion file in the format of its extension.
@@ -158,9 +158,9 @@ pub(crate) fn read_motion(
 pub(crate) fn write_motion(py: Python<'_>, path: PathBuf, motion: PyRef<'_, PyMotion>) -> PyResult<()> {
     let motion = &motion.0;
     detached(py, || {
-        let format = Format::of(&path).map_err(sinew_tools::Error::from)?;
+        let format = Format::of(&path).map_err(sinew_motion::Error::from)?;
         let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        let bytes = motion::write(motion, format, &name).map_err(sinew_tools::Error::from)?;
+        let bytes = convert::write(motion, format, &name).map_err(sinew_motion::Error::from)?;
         Ok(write_whole(&path, &bytes)?)
     })
 }

@@ -4,7 +4,7 @@ use crate::arrays::{Numbers, affordable, array, numbers};
 use crate::failure::Failure;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
-use sinew::core::convergence;
+use sinew::core::diagnostics;
 use sinew::core::random::Stage;
 use sinew::formats::nearest::nearest;
 use sinew::samplers::resample::Scheme;
@@ -135,17 +135,17 @@ fn chains(draws: &Bound<'_, PyAny>, diagnostic: fn(&[&[f64]]) -> f64) -> PyResul
 /// Rank-normalised split R-hat of draws (chains, draws) of one quantity (Vehtari et al. 2021).
 #[pyfunction]
 pub(crate) fn r_hat(draws: &Bound<'_, PyAny>) -> PyResult<f64> {
-    chains(draws, |chains| convergence::rank_r_hat(chains))
+    chains(draws, |chains| diagnostics::rank_r_hat(chains))
 }
 
 /// Effective number of draws (chains, draws) for the bulk of one quantity (Vehtari et al. 2021).
 #[pyfunction]
 pub(crate) fn bulk_ess(draws: &Bound<'_, PyAny>) -> PyResult<f64> {
-    chains(draws, |chains| convergence::bulk_ess(chains))
+    chains(draws, |chains| diagnostics::bulk_ess(chains))
 }
 
 /// Effective number of draws (chains, draws) for the tails of one quantity (Vehtari et al. 2021).
 #[pyfunction]
 pub(crate) fn tail_ess(draws: &Bound<'_, PyAny>) -> PyResult<f64> {
-    chains(draws, |chains| convergence::tail_ess(chains))
+    chains(draws, |chains| diagnostics::tail_ess(chains))
 }

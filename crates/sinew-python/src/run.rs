@@ -8,9 +8,11 @@ use crate::given::Given;
 use pyo3::prelude::*;
 use sinew::config::table;
 use sinew::formats::nearest::nearest;
-use sinew_runs::listener::{Counter, Listener};
-use sinew_runs::settings::{Given as Settings, settings_with_stated_rate};
-use sinew_runs::{CameTo, Request};
+use sinew::run::calibration;
+use sinew::run::listener::{Counter, Listener};
+use sinew::run::settings::{Given as Settings, settings_with_stated_rate};
+use sinew::run::{CameTo, Request};
+use sinew_report::written_page::write_for_run;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -136,7 +138,11 @@ pub(crate) fn track(
         &heard.stop,
         |py| heard.say(py, &hear, &count),
         || {
-            let came_to = sinew_runs::track(&resolved, &request, &heard).map_err(Failure::from)?;
+            let came_to = sinew::run::track(&resolved, &request, &heard).map_err(Failure::from)?;
+            if page {
+                let calibration = calibration(&resolved.track()).map_err(Failure::from)?;
+                write_for_run(&out, &calibration, &heard).map_err(Failure::from)?;
+            }
             if let CameTo::One(outcome) = &came_to {
                 heard.warnings(&outcome.summary.warnings);
             }
@@ -161,6 +167,5 @@ fn ended(came_to: &CameTo) -> (bool, Vec<String>) {
             });
             (summary.complete, failed.collect())
         }
-        _ => (true, vec![]),
     }
 }

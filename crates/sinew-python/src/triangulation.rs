@@ -8,7 +8,7 @@ use numpy::PyArrayDyn;
 use pyo3::prelude::*;
 use rayon::prelude::*;
 use sinew::observe::Camera;
-use sinew::observe::triangulate::{Config, Search, Seen, refined, triangulate as from_rays};
+use sinew::observe::cameras::triangulate::{Config, Search, Seen, refined, triangulate as from_rays};
 
 /// Numbers of a result: point, covariance, error.
 const RESULT: usize = 3 + 9 + 1;

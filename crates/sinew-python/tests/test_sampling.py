@@ -32,6 +32,19 @@ def test_draws_are_of_the_gaussian(sampler):
         assert abs(series.var() / COVARIANCE[j, j] - 1) < 5 * np.sqrt(2 / ess_of_squares)
     assert abs(np.corrcoef(draws.T)[0, 1] - 0.8 / np.sqrt(2)) < 0.1
     assert not found.diverging.any()
+    assert (found.leapfrog_steps > 0).all() and found.depth.any() == (sampler is sinew.samplers.nuts)
+    assert all("effective draws" in warning for warning in found.warnings) and "bulk ESS" in str(found) and str(found) == found.summary
+
+
+def test_a_run_that_fails_warns():
+    """Half of the states cannot be, and no gradient says so."""
+    def walled(states):
+        values, gradients = gaussian(states)
+        return np.where(np.sin(40 * states[:, 0]) > 0, values, -np.inf), gradients
+
+    with pytest.warns(UserWarning, match="trajectories diverged"):
+        found = sinew.samplers.nuts(walled, np.full((4, 3), 0.04), draws=200, warm_up=170)
+    assert any("trajectories diverged" in warning for warning in found.warnings)
 
 
 def test_the_same_seed_gives_the_same_draws():

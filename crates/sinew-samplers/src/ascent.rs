@@ -1,12 +1,8 @@
-//! Ascent of scattered starts into the bulk of their target, by L-BFGS with a line search.
+//! Ascent of scattered starts into the bulk of their target, by L-BFGS ([`sinew_core::lbfgs`]).
 //!
 //! Far out in a tail a log density may be −10¹⁰⁰ and more. There the energy error of any trajectory is rounding, and no step size accepts half of them; an ascent needs only that the log density grows. Each state climbs on its own, eight
-//! of them with one call of the target:
-//!
-//! 1. v = H ∇ log p, with H from the last steps and differences of gradients (Nocedal 1980), or, without any or where v does not point uphill, v = ∇ log p / max |∇ log p|
-//! 2. the climb ends where three quadratic models in a row (one may not know a direction yet) promise a gain ½ v·∇ log p below d: in a bulk of dimension d log densities lie about d / 2 below the peak, and starts are
-//!    better there, apart, than all at the peak
-//! 3. x ← x + t v with the first t = 1, ½, ¼ … that gains at least 10⁻⁴ t v·∇ log p (Armijo); where there is none down to 2⁻⁶⁰, the climb starts again without a history, and ends where that did not help
+//! of them with one call of the target, until three quadratic models in a row (one may not know a direction yet) promise a gain below d: in a bulk of dimension d log densities lie about d / 2 below the peak, and starts are better there,
+//! apart, than all at the peak. It ends, too, where no higher point is found.
 //!
 //! A search and not a sampler: what it leaves is a start of a warm-up.
 
@@ -14,125 +10,49 @@ use crate::Error;
 use rayon::prelude::*;
 use sinew_core::density::GradLogDensity;
 use sinew_core::lanes::{Block, LANES, get_lane, set_lane};
-use std::collections::VecDeque;
+use sinew_core::lbfgs::{Lbfgs, LineSearch};
 
-/// Steps that make H.
-const MEMORY: usize = 8;
-/// Part of the linear gain that a step must have.
-const ARMIJO: f64 = 1e-4;
-/// Halvings of one step.
-const HALVINGS: i32 = 60;
 /// Models in a row that must promise little.
 const CALM: usize = 3;
 
-/// A step s and the change y of −∇ log p along it, with 1 / y·s.
-struct Pair {
-    s: Vec<f64>,
-    y: Vec<f64>,
-    rho: f64,
-}
-
-/// One climb.
+/// One climb: a search for the least −log p.
 struct Climb {
-    x: Vec<f64>,
-    log_density: f64,
-    gradient: Vec<f64>,
-    pairs: VecDeque<Pair>,
-    direction: Vec<f64>,
-    /// v·∇ log p.
-    slope: f64,
-    halvings: i32,
+    search: Lbfgs,
+    line: LineSearch,
     calm: usize,
     done: bool,
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}
-
 impl Climb {
     fn new(x: Vec<f64>, log_density: f64, gradient: Vec<f64>) -> Self {
-        let direction = vec![0.0; x.len()];
-        let pairs = VecDeque::new();
-        let (slope, halvings, calm, done) = (0.0, 0, 0, false);
-        let mut climb = Self { x, log_density, gradient, pairs, direction, slope, halvings, calm, done };
-        climb.turn();
+        let search = Lbfgs::at(x, -log_density, negative(gradient));
+        let mut climb = Self { line: search.line_search(), search, calm: 0, done: false };
+        climb.look_ahead();
         climb
     }
 
-    /// H ∇ log p (two-loop recursion).
-    fn newton(&self) -> Vec<f64> {
-        let mut v = self.gradient.clone();
-        let mut shares = Vec::with_capacity(self.pairs.len());
-        for pair in self.pairs.iter().rev() {
-            let share = pair.rho * dot(&pair.s, &v);
-            v.iter_mut().zip(&pair.y).for_each(|(v, y)| *v -= share * y);
-            shares.push(share);
-        }
-        if let Some(last) = self.pairs.back() {
-            let scale = 1.0 / (last.rho * dot(&last.y, &last.y));
-            v.iter_mut().for_each(|v| *v *= scale);
-        }
-        for (pair, share) in self.pairs.iter().zip(shares.into_iter().rev()) {
-            let change = share - pair.rho * dot(&pair.y, &v);
-            v.iter_mut().zip(&pair.s).for_each(|(v, s)| *v += change * s);
-        }
-        v
+    fn look_ahead(&mut self) {
+        let promises_little = self.line.promised_gain() < self.search.x.len() as f64;
+        self.calm = if promises_little { self.calm + 1 } else { 0 };
+        self.done = self.calm == CALM;
     }
 
-    /// Chooses the next direction, or ends the climb.
-    fn turn(&mut self) {
-        self.halvings = 0;
-        if !self.pairs.is_empty() {
-            self.direction = self.newton();
-            self.slope = dot(&self.direction, &self.gradient);
-            if !(self.slope > 0.0 && self.slope.is_finite()) {
-                self.pairs.clear();
+    /// The state to try next, which is where the climb stands once it is done.
+    fn trial(&mut self) -> &[f64] {
+        while !self.done && self.line.trial(&self.search).is_none() {
+            if self.search.accept(&mut self.line) || self.search.forget() {
+                self.line = self.search.line_search();
+                self.look_ahead();
+            } else {
+                self.done = true;
             }
         }
-        if self.pairs.is_empty() {
-            let largest = self.gradient.iter().fold(0.0, |a: f64, g| a.max(g.abs()));
-            self.direction = self.gradient.iter().map(|g| g / largest).collect();
-            self.slope = dot(&self.direction, &self.gradient);
-        }
-        self.calm = if 0.5 * self.slope < self.x.len() as f64 { self.calm + 1 } else { 0 };
-        self.done = self.slope.is_nan() || self.calm == CALM;
+        if self.done { &self.search.x } else { self.line.tried() }
     }
+}
 
-    /// The state to try next.
-    fn trial(&self) -> Vec<f64> {
-        let t = 0.5_f64.powi(self.halvings);
-        self.x.iter().zip(&self.direction).map(|(x, v)| x + t * v).collect()
-    }
-
-    /// Takes in what the target says of the trial.
-    fn take(&mut self, x: Vec<f64>, log_density: f64, gradient: Vec<f64>) {
-        let t = 0.5_f64.powi(self.halvings);
-        let is_finite = log_density.is_finite() && gradient.iter().all(|g| g.is_finite());
-        let enough = log_density > self.log_density && log_density >= self.log_density + ARMIJO * t * self.slope;
-        if !(is_finite && enough) {
-            self.halvings += 1;
-            if self.halvings > HALVINGS {
-                self.done = self.pairs.is_empty();
-                self.pairs.clear();
-                if !self.done {
-                    self.turn();
-                }
-            }
-            return;
-        }
-        let s: Vec<f64> = x.iter().zip(&self.x).map(|(new, old)| new - old).collect();
-        let y: Vec<f64> = self.gradient.iter().zip(&gradient).map(|(old, new)| old - new).collect();
-        let (curvature, square) = (dot(&s, &y), dot(&y, &y));
-        if curvature > f64::EPSILON * square && square.is_finite() {
-            if self.pairs.len() == MEMORY {
-                self.pairs.pop_front();
-            }
-            self.pairs.push_back(Pair { s, y, rho: 1.0 / curvature });
-        }
-        (self.x, self.log_density, self.gradient) = (x, log_density, gradient);
-        self.turn();
-    }
+fn negative(gradient: Vec<f64>) -> Vec<f64> {
+    gradient.into_iter().map(|g| -g).collect()
 }
 
 /// Moves each state of `states` (blocks of the target's dimension) uphill, with at most `gradients` calls of the target for each block.
@@ -163,15 +83,13 @@ fn ascend_block<T: GradLogDensity + ?Sized>(target: &T, block: &mut [Block], gra
         if climbs.iter().all(|climb| climb.done) {
             break;
         }
-        for (lane, climb) in climbs.iter().enumerate() {
-            set_lane(block, lane, &if climb.done { climb.x.clone() } else { climb.trial() });
-        }
+        climbs.iter_mut().enumerate().for_each(|(lane, climb)| set_lane(block, lane, climb.trial()));
         let log_density = target.log_density_grad_block(block, &mut gradient, &mut workspace);
         for (lane, climb) in climbs.iter_mut().enumerate().filter(|(_, climb)| !climb.done) {
-            climb.take(lane_of(block, lane), log_density.0[lane], lane_of(&gradient, lane));
+            climb.line.take(-log_density.0[lane], &negative(lane_of(&gradient, lane)));
         }
     }
-    climbs.iter().enumerate().for_each(|(lane, climb)| set_lane(block, lane, &climb.x));
+    climbs.iter().enumerate().for_each(|(lane, climb)| set_lane(block, lane, &climb.search.x));
     Ok(())
 }
 

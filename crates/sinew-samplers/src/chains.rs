@@ -2,6 +2,8 @@
 //!
 //! Every chain makes R updates from its start s^(0); the samples r = 0 … b − 1 are discarded (b = 6 in Choo & Fleet 2001), so M chains leave M (R + 1 − b) draws. Draw r of chain i has index (r − b) M + i and lies in lane
 //! index mod 8 of block index / 8. Blocks have their own random streams; nothing depends on the number of threads.
+//!
+//! Starts come in blocks of eight, the last one padded, or one chain a block in its first lane: a density of single states then costs one evaluation a step and not eight, and chains run on all threads.
 
 use crate::Error;
 use crate::diagnostics::{effective_sample_size, energy_fraction, split_r_hat};
@@ -12,7 +14,7 @@ use sinew_core::lanes::{Block, LANES};
 use sinew_core::random::Stage;
 
 /// What is known of one draw of a chain.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ChainStat {
     /// Log density of the target.
     pub log_density: f64,
@@ -24,6 +26,10 @@ pub struct ChainStat {
     pub divergent: bool,
     /// Hamiltonian of the draw; of a start its potential.
     pub energy: f64,
+    /// Gradients that the trajectory took; 0 for a start.
+    pub leapfrog_steps: u32,
+    /// Doublings of a no-U-turn tree that were kept; 0 elsewhere.
+    pub depth: u32,
 }
 
 /// How long chains run and what is kept.
@@ -67,27 +73,28 @@ impl ChainDraws {
         (chain..self.stats.len()).step_by(self.chains).map(value)
     }
 
-    /// The draws of some of the chains, in the order of `chosen`; acceptance and divergences are the kept draws' own.
+    /// Effective number of draws, the least over coordinates.
+    pub(crate) fn least_effective(&self) -> f64 {
+        (0..self.dim).map(|j| effective_sample_size(&self.series(j))).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The draws of some of the chains from draw `first` on, in the order of `chosen`; acceptance and divergences are the kept draws' own, and there are no last states.
     #[must_use]
-    pub fn select(&self, chosen: &[usize]) -> Self {
+    pub fn select(&self, chosen: &[usize], first: usize) -> Self {
         let (dim, chains) = (self.dim, chosen.len());
-        let kept = self.stats.len() / self.chains.max(1);
-        let from = |draw: usize| draw / chains * self.chains + chosen[draw % chains];
-        let lane = |blocks: &[Block], index: usize, j: usize| blocks[index / LANES * dim + j].0[index % LANES];
-        let gather = |blocks: &[Block], count: usize| {
-            let mut gathered = vec![Block::ZERO; count.div_ceil(LANES) * dim];
-            for draw in 0..count {
-                for j in 0..dim {
-                    gathered[draw / LANES * dim + j].0[draw % LANES] = lane(blocks, from(draw), j);
-                }
+        let count = (self.stats.len() / self.chains.max(1)).saturating_sub(first) * chains;
+        let from = |draw: usize| (first + draw / chains) * self.chains + chosen[draw % chains];
+        let mut states = vec![Block::ZERO; count.div_ceil(LANES) * dim];
+        for draw in 0..count {
+            for j in 0..dim {
+                states[draw / LANES * dim + j].0[draw % LANES] =
+                    self.states[from(draw) / LANES * dim + j].0[from(draw) % LANES];
             }
-            gathered
-        };
-        let stats: Vec<ChainStat> = (0..kept * chains).map(|draw| self.stats[from(draw)]).collect();
+        }
+        let stats: Vec<ChainStat> = (0..count).map(|draw| self.stats[from(draw)]).collect();
         let acceptance = stats.iter().map(|stat| stat.acceptance).sum::<f64>() / stats.len().max(1) as f64;
         let divergences = stats.iter().filter(|stat| stat.divergent).count();
-        let (states, last) = (gather(&self.states, kept * chains), gather(&self.last, chains));
-        Self { dim, chains, states, stats, last, acceptance, divergences }
+        Self { dim, chains, states, stats, last: Vec::new(), acceptance, divergences }
     }
 }
 
@@ -173,7 +180,7 @@ fn lockstep<T: GradLogDensity + ?Sized>(
 ///
 /// # Errors
 /// [`Error::Empty`], [`Error::OutOfRange`] for a schedule that keeps nothing, [`Error::BadStart`].
-pub fn draw<T: GradLogDensity + ?Sized>(
+pub fn draw_trajectories<T: GradLogDensity + ?Sized>(
     target: &T,
     hmc: &Hmc,
     starts: &[Block],
@@ -194,10 +201,10 @@ pub struct ChainRun {
 }
 
 impl ChainRun {
-    /// Runs chains as [`draw`] does.
+    /// Runs chains as [`draw_trajectories`] does.
     ///
     /// # Errors
-    /// As [`draw`].
+    /// As [`draw_trajectories`].
     pub fn new<T: GradLogDensity + ?Sized>(
         target: &T,
         hmc: &Hmc,
@@ -260,7 +267,18 @@ fn check(schedule: Schedule) -> Result<(), Error> {
     Ok(())
 }
 
-/// Runs every block of eight starts.
+/// Chains of one block: eight, or one where there is a block for each.
+pub(crate) fn width(blocks: usize, chains: usize) -> usize {
+    if blocks == chains { 1 } else { LANES }
+}
+
+/// Chains of the block with this number.
+pub(crate) fn active(blocks: usize, chains: usize, block: usize) -> usize {
+    let width = width(blocks, chains);
+    (chains - block * width).min(width)
+}
+
+/// Runs every block of starts.
 pub(crate) fn run_blocks<B: Send>(
     dim: usize,
     starts: &[Block],
@@ -268,7 +286,7 @@ pub(crate) fn run_blocks<B: Send>(
     schedule: Schedule,
     run: impl Fn(&[Block], usize) -> Result<B, Error> + Sync,
 ) -> Result<Vec<B>, Error> {
-    if chains == 0 || starts.len() != chains.div_ceil(LANES) * dim {
+    if chains == 0 || dim == 0 || starts.len() != chains.div_ceil(width(starts.len() / dim, chains)) * dim {
         return Err(Error::Empty { count: chains, dim });
     }
     check(schedule)?;
@@ -283,9 +301,10 @@ pub(crate) fn gather(dim: usize, chains: usize, schedule: Schedule, runs: &[Lock
     let mut stats = Vec::with_capacity(count);
     let first = runs.first().map_or(0, |run| run.log.len() - run.kept.len() / dim);
     let (mut acceptance, mut divergences) = (0.0, 0);
+    let width = width(runs.len(), chains);
     for r in 0..=schedule.updates {
         for chain in 0..chains {
-            let (run, lane) = (&runs[chain / LANES], chain % LANES);
+            let (run, lane) = (&runs[chain / width], chain % width);
             let (log_density, moved) = (run.log[r].0.0[lane], run.log[r].1.as_ref());
             let divergent = moved.is_some_and(|m| m.divergent[lane]);
             acceptance += moved.map_or(0.0, |m| m.acceptance.0[lane]);
@@ -298,13 +317,14 @@ pub(crate) fn gather(dim: usize, chains: usize, schedule: Schedule, runs: &[Lock
             for (new, old) in states[index / LANES * dim..].iter_mut().zip(old) {
                 new.0[index % LANES] = old.0[lane];
             }
-            stats.push(ChainStat {
+            let start = ChainStat {
+                acceptance: 1.0,
+                step_factor: 1.0,
+                energy: -log_density,
                 log_density,
-                acceptance: moved.map_or(1.0, |m| m.acceptance.0[lane]),
-                step_factor: moved.map_or(1.0, |m| m.factor.0[lane]),
-                divergent,
-                energy: moved.map_or(-log_density, |m| m.energy.0[lane]),
-            });
+                ..ChainStat::default()
+            };
+            stats.push(moved.map_or(start, |m| m.stat(lane, log_density)));
         }
     }
     let last = runs.iter().flat_map(|run| run.last.iter().copied()).collect();
@@ -326,7 +346,7 @@ mod tests {
         let hmc = Hmc::new(0.9, &[1.0, 1.0], 3, 0.2, Isa::best()).expect("valid");
         let starts = vec![Block::ZERO; 4];
         let schedule = Schedule { updates: 9, burn_in: 6 };
-        let draws = draw(&target, &hmc, &starts, 10, schedule, &Stage::new(1, "compact")).expect("valid");
+        let draws = draw_trajectories(&target, &hmc, &starts, 10, schedule, &Stage::new(1, "compact")).expect("valid");
         assert_eq!((draws.stats.len(), draws.states.len(), draws.last.len()), (40, 10, 4));
         let series: Vec<_> = (0..2).map(|j| draws.series(j)).collect();
         for (index, stat) in draws.stats.iter().enumerate() {
@@ -348,10 +368,11 @@ mod tests {
         for burn_in in [5, 10] {
             assert!(matches!(run.draws(burn_in), Err(Error::OutOfRange { name: "burn-in", .. })), "{burn_in}");
         }
-        let none = draw(&target, &hmc, &starts, 10, Schedule { updates: 5, burn_in: 6 }, &Stage::new(1, "none"));
+        let none =
+            draw_trajectories(&target, &hmc, &starts, 10, Schedule { updates: 5, burn_in: 6 }, &Stage::new(1, "none"));
         assert!(matches!(none, Err(Error::OutOfRange { name: "burn-in", .. })));
         assert!(matches!(
-            draw(&target, &hmc, &starts, 17, schedule, &Stage::new(1, "few")),
+            draw_trajectories(&target, &hmc, &starts, 17, schedule, &Stage::new(1, "few")),
             Err(Error::Empty { count: 17, dim: 2 })
         ));
     }

@@ -52,6 +52,28 @@ pub enum Error {
         /// The log density.
         value: f64,
     },
+    /// A state, or a number of states, of another length than is needed.
+    #[error("{what} has the length {found}; expected {expected}")]
+    Length {
+        /// What.
+        what: &'static str,
+        /// Length found.
+        found: usize,
+        /// Length needed.
+        expected: usize,
+    },
+    /// A gradient is not that of its density.
+    #[error(
+        "entry {coordinate} of the gradient is {found}, and the difference of the density there is {difference}; check the derivative"
+    )]
+    Gradient {
+        /// Place of the entry.
+        coordinate: usize,
+        /// The gradient's entry.
+        found: f64,
+        /// Difference of the log density.
+        difference: f64,
+    },
     /// No step size has the wanted acceptance.
     #[error(
         "no step size accepts {target} of the trajectories: at {step_size} after {tried} halvings or doublings it is {acceptance}"

@@ -12,7 +12,12 @@
 //! A trajectory that meets a log density or gradient that is not finite, or ends with H₁ − H₀ > 1000, is rejected and counted as divergent. State, log density and gradient of the current states are cached
 //! in [`Chains`], so that an update costs L gradients; it allocates nothing.
 
+mod sample;
+
+pub use sample::{Settings, sample};
+
 use crate::Error;
+use crate::chains::ChainStat;
 use crate::integrator::{End, Leapfrog, PhasePoint, check_jitter, kinetic};
 use crate::metric::Metric;
 use sinew_core::density::GradLogDensity;
@@ -142,6 +147,25 @@ pub struct Update {
     pub energy: Block,
     /// Factor of the component steps (jitter).
     pub factor: Block,
+    /// Gradients of the trajectory.
+    pub leapfrog_steps: [u32; LANES],
+    /// Depth of the tree, of the no-U-turn sampler; else 0.
+    pub depth: [u32; LANES],
+}
+
+impl Update {
+    /// What is known of the state of one lane, which now has this log density.
+    pub(crate) fn stat(&self, lane: usize, log_density: f64) -> ChainStat {
+        ChainStat {
+            log_density,
+            acceptance: self.acceptance.0[lane],
+            step_factor: self.factor.0[lane],
+            divergent: self.divergent[lane],
+            energy: self.energy.0[lane],
+            leapfrog_steps: self.leapfrog_steps[lane],
+            depth: self.depth[lane],
+        }
+    }
 }
 
 /// Takes the new values where `accepted` is 1.
@@ -190,6 +214,8 @@ pub fn update<T: GradLogDensity + ?Sized>(
         divergent: [false; LANES],
         energy: Block::ZERO,
         factor,
+        leapfrog_steps: [hmc.leapfrog_steps as u32; LANES],
+        depth: [0; LANES],
     };
     for lane in 0..LANES {
         let before = kinetic.0[lane] - chains.log_density.0[lane];

@@ -9,8 +9,12 @@
 //! A proposal costs a gradient, which the next trajectory starts from. It does not depend on the state, so that where fewer than eight chains run, the idle lanes make proposals for them
 //! too, one after the other (Jacob, Robert & Smith 2011): one chain alone gets eight jumps at the cost of one.
 
+mod sample;
+
+pub use sample::{Settings, sample};
+
 use crate::Error;
-use crate::chains::{ChainDraws, Lockstep, Schedule, gather, run_blocks};
+use crate::chains::{ChainDraws, Lockstep, Schedule, active, gather, run_blocks};
 use crate::gaussian_mixture::{GaussianMixture, Scratch};
 use crate::hmc::{Chains, Hmc, Workspace, update};
 use sinew_core::density::GradLogDensity;
@@ -90,11 +94,11 @@ pub fn jump<T: GradLogDensity + ?Sized>(
     acceptance
 }
 
-/// Runs `chains` chains from `starts` as [`crate::chains::draw`] does, with jumps after each trajectory.
+/// Runs `chains` chains from `starts` as [`crate::chains::draw_trajectories`] does, with jumps after each trajectory.
 ///
 /// # Errors
 /// [`Error::Empty`], [`Error::OutOfRange`] for a schedule that keeps nothing, [`Error::BadStart`].
-pub fn draw<T: GradLogDensity + ?Sized>(
+pub fn draw_with_jumps<T: GradLogDensity + ?Sized>(
     target: &T,
     hmc: &Hmc,
     jumps: &Jumps,
@@ -105,7 +109,7 @@ pub fn draw<T: GradLogDensity + ?Sized>(
 ) -> Result<JumpRun, Error> {
     let dim = target.dim();
     let runs = run_blocks(dim, starts, chains, schedule, |start, block| {
-        let active = (chains - block * LANES).min(LANES);
+        let active = active(starts.len() / dim, chains, block);
         lockstep(target, hmc, jumps, start, active, schedule, &mut stage.block(block as u32))
     })?;
     let (runs, accepted): (Vec<Lockstep>, Vec<f64>) = runs.into_iter().unzip();

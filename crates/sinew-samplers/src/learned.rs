@@ -68,7 +68,7 @@ pub fn metric<T: GradLogDensity + ?Sized>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::chains::{Schedule, draw};
+    use crate::chains::{Schedule, draw_trajectories};
     use crate::hmc::Hmc;
     use sinew_core::density::Lanes;
     use sinew_core::lanes::triangle;
@@ -82,7 +82,8 @@ mod tests {
         let target = Lanes { leaf: Quadratic { centre: vec![1.0, 0.0, -3.0], precision: precision.clone() }, isa };
         let hmc = Hmc::new(0.5, &precision, 3, 0.2, isa).expect("valid");
         let schedule = Schedule { updates: 2000, burn_in: 100 };
-        let draws = draw(&target, &hmc, &[Block::ZERO; 3], 8, schedule, &Stage::new(1, "learn")).expect("finite start");
+        let draws = draw_trajectories(&target, &hmc, &[Block::ZERO; 3], 8, schedule, &Stage::new(1, "learn"))
+            .expect("finite start");
         let Ok(Metric::Dense(dense)) = metric(&target, &draws, 15_000.0, isa) else { panic!("no dense metric") };
         for j in 0..3 {
             // A = G^(−1/2), and gradient and draw of a coordinate scatter alike: their ratio has no Monte Carlo error.

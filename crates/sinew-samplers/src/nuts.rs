@@ -14,15 +14,17 @@
 //! A half is built state by state, not by recursion (Phan, Pradhan & Jankowiak 2019, appendix A): state n of it, from 0, leaves its momentum and the sum before it at place popcount(n / 2) if n is even;
 //! if n is odd it closes as many pieces as n ends in binary ones, whose first states are at the places from popcount(n / 2) downwards. So memory grows as the depth.
 //!
-//! All lanes call the gradient together but each grows its own tree, and where one is complete the next begins in the same lane. Stop lanes after equal numbers of transitions, as [`draw`] does: after equal numbers of gradients,
+//! All lanes call the gradient together but each grows its own tree, and where one is complete the next begins in the same lane. Stop lanes after equal numbers of transitions, as [`draw_trees`] does: after equal numbers of gradients,
 //! long transitions would be missing. Step and metric are fixed; jitter is drawn once a transition and independently of the state. Nothing is allocated per step.
 
 mod draws;
+mod sample;
 mod step;
 mod transition;
 mod trees;
 
-pub use draws::{TreeRun, adapt, draw};
+pub use draws::{TreeRun, adapt, draw_trees};
+pub use sample::{Settings, sample};
 pub use step::step;
 pub use transition::{MAX_DEPTH, Nuts, TreeTransition};
 pub use trees::Trees;

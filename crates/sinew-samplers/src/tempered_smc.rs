@@ -16,7 +16,12 @@
 //! The metric of an update at β is (1 − β) P + β G, with the prior's precision P and a posterior metric G that was made before: it depends on no state, so every move keeps its target. It is positive definite
 //! for every β, and equals P + β J if G = P + J.
 
+mod sample;
+
+pub use sample::{NormalPrior, Prior, Settings, sample};
+
 use crate::Error;
+use crate::chains::ChainStat;
 use crate::hmc::{Chains, Hmc, Workspace, update};
 use crate::metric::{Dense, Metric};
 use crate::moments;
@@ -73,6 +78,8 @@ pub struct Temperature {
 pub struct Sample {
     /// The population after each update at β = 1.
     pub draws: Vec<Population>,
+    /// What is known of each of its states.
+    pub stats: Vec<Vec<ChainStat>>,
     /// Logarithm of the evidence.
     pub log_evidence: f64,
     /// The temperatures, from the first above 0 to 1.
@@ -108,11 +115,17 @@ fn metric_at<P: FramePrior>(prior: &P, posterior: &Metric, beta: f64) -> Result<
     })
 }
 
-/// A block's states after each update, the sum of its acceptances and its divergences, lanes in use only.
+/// A block's states after each update, and what is known of those in use.
 struct Moved {
     states: Vec<Vec<Block>>,
-    acceptance: f64,
-    divergences: usize,
+    stats: Vec<Vec<ChainStat>>,
+}
+
+impl Moved {
+    /// Sum of the acceptances.
+    fn acceptance(&self) -> f64 {
+        self.stats.iter().map(|stats| stats.iter().map(|stat| stat.acceptance).sum::<f64>()).sum()
+    }
 }
 
 fn move_block<T: GradLogDensity + ?Sized>(
@@ -127,11 +140,10 @@ fn move_block<T: GradLogDensity + ?Sized>(
     let mut rng = stage.block(block as u32);
     let mut chains = Chains::new(target, states.to_vec())?;
     let mut ws = Workspace::new(target);
-    let mut moved = Moved { states: Vec::with_capacity(updates), acceptance: 0.0, divergences: 0 };
+    let mut moved = Moved { states: Vec::with_capacity(updates), stats: Vec::with_capacity(updates) };
     for _ in 0..updates {
         let info = update(target, hmc, &mut chains, &mut ws, &mut rng);
-        moved.acceptance += info.acceptance.0[..used].iter().sum::<f64>();
-        moved.divergences += info.divergent[..used].iter().filter(|d| **d).count();
+        moved.stats.push((0..used).map(|lane| info.stat(lane, chains.log_density.0[lane])).collect());
         moved.states.push(chains.position.clone());
     }
     Ok(moved)
@@ -157,7 +169,7 @@ fn move_all<T: GradLogDensity + ?Sized>(
 ///
 /// # Errors
 /// [`Error::Empty`], [`Error::OutOfRange`], [`Error::AllWeightsZero`], [`Error::BadWeight`], [`Error::BadStart`], [`Error::Metric`], [`Error::TooManyTemperatures`].
-pub fn sample<O: GradLogDensity + ?Sized, P: FramePrior>(
+pub fn temper<O: GradLogDensity + ?Sized, P: FramePrior>(
     observed: &O,
     prior: &P,
     metric: &Metric,
@@ -165,15 +177,31 @@ pub fn sample<O: GradLogDensity + ?Sized, P: FramePrior>(
     isa: Isa,
     stage: Stage,
 ) -> Result<Sample, Error> {
-    let Config { particles, updates, .. } = *config;
-    if updates == 0 {
-        return Err(Error::OutOfRange { name: "number of updates", value: 0.0, expected: "must be at least 1" });
-    }
+    let Config { particles, step_size, leapfrog_steps, jitter, .. } = *config;
     let [to_draw, to_resample, to_move] = stage.split(["draw", "resample", "move"]);
     let draw = |block: usize, states: &mut [Block]| {
         prior.sample_block(block, states, &mut to_draw.block(block as u32));
     };
-    let mut population = Population::from_blocks(prior.dim(), particles, draw)?;
+    let population = Population::from_blocks(prior.dim(), particles, draw)?;
+    let kernel = |beta: f64, _: &Population, _: Option<&Temperature>| {
+        Hmc::with_metric(step_size, &metric_at(prior, metric, beta)?, leapfrog_steps, jitter, isa)
+    };
+    through_temperatures(observed, prior, population, config, kernel, [to_resample, to_move])
+}
+
+/// Takes a population of the prior to the posterior by the updates of `kernel`, which is told the exponent, the resampled population and what happened at the temperature before.
+fn through_temperatures<O: GradLogDensity + ?Sized, P: GradLogDensity + ?Sized>(
+    observed: &O,
+    prior: &P,
+    mut population: Population,
+    config: &Config,
+    mut kernel: impl FnMut(f64, &Population, Option<&Temperature>) -> Result<Hmc, Error>,
+    [to_resample, to_move]: [Stage; 2],
+) -> Result<Sample, Error> {
+    let (particles, updates) = (population.count(), config.updates);
+    if updates == 0 {
+        return Err(Error::OutOfRange { name: "number of updates", value: 0.0, expected: "must be at least 1" });
+    }
     let mut values = population.log_densities(observed);
     let mut sample = Sample { likelihoods: particles, ..Sample::default() };
     let (mut beta, mut weights) = (0.0, Vec::new());
@@ -190,20 +218,21 @@ pub fn sample<O: GradLogDensity + ?Sized, P: FramePrior>(
         population = population.gather(&systematic(&weights, particles, &mut to_resample.round(round).whole()));
 
         let target = Sum(Tempered { target: observed, beta }, prior);
-        let metric = metric_at(prior, metric, beta)?;
-        let hmc = Hmc::with_metric(config.step_size, &metric, config.leapfrog_steps, config.jitter, isa)?;
-        let stage = to_move.round(round);
-        let moved = move_all(&target, &hmc, &population, updates, &stage)?;
+        let hmc = kernel(beta, &population, sample.temperatures.last())?;
+        let moved = move_all(&target, &hmc, &population, updates, &to_move.round(round))?;
         sample.temperatures.push(Temperature {
             beta,
             effective: effective_number(&weights),
-            acceptance: moved.iter().map(|m| m.acceptance).sum::<f64>() / (particles * updates) as f64,
+            acceptance: moved.iter().map(Moved::acceptance).sum::<f64>() / (particles * updates) as f64,
         });
-        sample.divergences += moved.iter().map(|m| m.divergences).sum::<usize>();
-        sample.gradients += particles * (1 + updates * config.leapfrog_steps);
+        let divergent = |m: &Moved| m.stats.iter().flatten().filter(|stat| stat.divergent).count();
+        sample.divergences += moved.iter().map(divergent).sum::<usize>();
+        sample.gradients += particles * (1 + updates * hmc.leapfrog_steps());
         let after = |update: usize| population.with_blocks(moved.iter().map(|m| &m.states[update][..]));
         if beta >= 1.0 {
             sample.draws = (0..updates).map(after).collect();
+            let stats = |update: usize| moved.iter().flat_map(|m| &m.stats[update]).copied().collect();
+            sample.stats = (0..updates).map(stats).collect();
             return Ok(sample);
         }
         population = after(updates - 1);

@@ -9,8 +9,7 @@
 //! - [`no_u_turn`] is the same for the no-U-turn sampler, whose trees choose the length.
 
 use crate::Error;
-use crate::chains::{ChainDraws, Schedule, draw};
-use crate::diagnostics::effective_sample_size;
+use crate::chains::{ChainDraws, Schedule, draw_trajectories};
 use crate::hmc::Hmc;
 use crate::metric::Metric;
 use crate::nuts::{self, Nuts};
@@ -89,7 +88,7 @@ impl<T: GradLogDensity + ?Sized> StepSizeTrial<'_, T> {
     fn run(&mut self, eta: f64, steps: usize, jitter: f64, updates: usize, stage: &Stage) -> Result<ChainDraws, Error> {
         let hmc = Hmc::with_metric(eta, self.metric, steps, jitter, self.isa)?;
         let schedule = Schedule { updates, burn_in: 1.min(updates) };
-        let draws = draw(self.target, &hmc, &self.states, self.chains(), schedule, stage)?;
+        let draws = draw_trajectories(self.target, &hmc, &self.states, self.chains(), schedule, stage)?;
         self.states.clone_from(&draws.last);
         Ok(draws)
     }
@@ -158,7 +157,7 @@ pub fn length<T: GradLogDensity + ?Sized>(
         let stage = stage.round(i);
         let tuned = step_size(trial, steps, config, &stage)?;
         let draws = trial.run(tuned.step_size, steps, config.jitter, config.updates, &stage.round(0))?;
-        let gradients_per_draw = (draws.stats.len() * steps) as f64 / least_effective(&draws);
+        let gradients_per_draw = (draws.stats.len() * steps) as f64 / draws.least_effective();
         Ok(Tuned { gradients_per_draw, ..tuned })
     })
 }
@@ -192,7 +191,7 @@ pub fn no_u_turn<T: GradLogDensity + ?Sized>(
     let mut run = |eta: f64, updates: usize, stage: &Stage| {
         let nuts = Nuts::with_metric(eta, trial.metric, max_depth, config.jitter, trial.isa)?;
         let schedule = Schedule { updates, burn_in: 1.min(updates) };
-        let run = nuts::draw(trial.target, &nuts, &trial.states, trial.chains(), schedule, stage)?;
+        let run = nuts::draw_trees(trial.target, &nuts, &trial.states, trial.chains(), schedule, stage)?;
         trial.states.clone_from(&run.draws.last);
         Ok::<_, Error>(run)
     };
@@ -203,14 +202,10 @@ pub fn no_u_turn<T: GradLogDensity + ?Sized>(
             Ok(run(eta, config.trajectories.div_ceil(chains), &stage.round(round))?.draws.acceptance)
         })?;
         let run = run(step_size, config.updates, &stage.round(0))?;
-        let gradients_per_draw = run.leapfrog_steps as f64 / least_effective(&run.draws);
+        let gradients_per_draw = run.leapfrog_steps as f64 / run.draws.least_effective();
         let leapfrog_steps = (run.leapfrog_steps + run.draws.stats.len() / 2) / run.draws.stats.len().max(1);
         Ok(Tuned { step_size, leapfrog_steps, acceptance, gradients_per_draw })
     })
-}
-
-fn least_effective(draws: &ChainDraws) -> f64 {
-    (0..draws.dim).map(|j| effective_sample_size(&draws.series(j))).fold(f64::INFINITY, f64::min)
 }
 
 /// The cheapest of what the candidates lead to.

@@ -10,13 +10,13 @@
 
 use crate::ascent::ascend;
 use crate::chains::{ChainDraws, Schedule};
-use crate::diagnostics::effective_sample_size;
 use crate::dual_averaging::DualAveraging;
 use crate::metric::Metric;
 use crate::nuts::{self, Nuts};
 use crate::{Error, learned};
 use sinew_core::density::GradLogDensity;
-use sinew_core::lanes::{Block, Isa};
+use sinew_core::estimators::median;
+use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
 
 /// Settings.
@@ -34,6 +34,8 @@ pub struct Config {
     pub first_step_sizes: [f64; 2],
     /// Greatest depth of a tree.
     pub max_depth: usize,
+    /// Whether the draws of the windows are kept.
+    pub keep_draws: bool,
 }
 
 impl Default for Config {
@@ -45,7 +47,27 @@ impl Default for Config {
             acceptance: 0.8,
             first_step_sizes: [0.1, 0.5],
             max_depth: nuts::MAX_DEPTH,
+            keep_draws: false,
         }
+    }
+}
+
+/// Fewest transitions of [`Config::of_length`].
+pub const SHORTEST: usize = 170;
+
+impl Config {
+    /// As many transitions in all: four windows, each twice as long as the one before, and a last one of at least two seventeenths.
+    ///
+    /// # Errors
+    /// [`Error::OutOfRange`] for fewer than [`SHORTEST`], of which no metric can be learned.
+    pub fn of_length(transitions: usize) -> Result<Self, Error> {
+        if transitions < SHORTEST {
+            let (name, value) = ("number of warm-up transitions", transitions as f64);
+            return Err(Error::OutOfRange { name, value, expected: "must be at least 170" });
+        }
+        let part = transitions / 17;
+        let windows = vec![part, 2 * part, 4 * part, 8 * part];
+        Ok(Self { last_window: transitions - 15 * part, windows, ..Self::default() })
     }
 }
 
@@ -58,6 +80,8 @@ pub struct WarmedUp {
     pub states: Vec<Block>,
     /// Step size η with which no-U-turn transitions have the configured acceptance.
     pub step_size: f64,
+    /// The windows' draws, where they are kept.
+    pub draws: Vec<ChainDraws>,
 }
 
 /// Takes `chains` chains from `starts` (blocks of the target's dimension; every lane must hold a state of finite log density and gradient, idle ones too) into the bulk of the target.
@@ -76,21 +100,35 @@ pub fn warm_up<T: GradLogDensity + ?Sized>(
     ascend(target, &mut states, config.climb)?;
     let mut metric = Metric::Diagonal(vec![1.0; target.dim()]);
     let mut step_size = config.first_step_sizes[0];
+    let mut draws = Vec::new();
     let windows = config.windows.iter().chain([&config.last_window]);
     for (window, &updates) in windows.enumerate() {
         let nuts = Nuts::with_metric(1.0, &metric, config.max_depth, 0.0, isa)?;
-        let schedule = Schedule { updates, burn_in: updates.div_ceil(2) };
+        let second_half = updates.div_ceil(2);
+        let schedule = Schedule { updates, burn_in: if config.keep_draws { 1.min(updates) } else { second_half } };
         let first = config.first_step_sizes[window.min(1)];
         let search = DualAveraging::new(first, config.acceptance);
         let (run, step_sizes) = nuts::adapt(target, &nuts, &states, chains, schedule, search, &stage.round(window))?;
         states.clone_from(&run.draws.last);
         if window < config.windows.len() {
-            let draws = run.draws.select(&in_the_bulk(&run.draws));
-            metric = learned::metric(target, &draws, least_effective(&draws), isa)?;
+            let second_half = run.draws.select(&(0..chains).collect::<Vec<_>>(), second_half - schedule.burn_in);
+            let bulk = second_half.select(&in_the_bulk(&second_half), 0);
+            if bulk.stats.len() < LANES {
+                let (name, value) = ("number of draws in a warm-up window", bulk.stats.len() as f64);
+                return Err(Error::OutOfRange {
+                    name,
+                    value,
+                    expected: "must be at least 8; warm up longer or more chains",
+                });
+            }
+            metric = learned::metric(target, &bulk, bulk.least_effective(), isa)?;
         }
-        step_size = median(step_sizes);
+        step_size = median(&mut step_sizes.clone());
+        if config.keep_draws {
+            draws.push(run.draws);
+        }
     }
-    Ok(WarmedUp { metric, states, step_size })
+    Ok(WarmedUp { metric, states, step_size, draws })
 }
 
 /// The chains that do not lag behind.
@@ -100,16 +138,6 @@ fn in_the_bulk(draws: &ChainDraws) -> Vec<usize> {
         draws.stats.iter().skip(chain).step_by(draws.chains).map(|stat| stat.log_density).sum::<f64>() / count
     };
     let means: Vec<f64> = (0..draws.chains).map(mean).collect();
-    let least = median(means.clone()) - f64::max(draws.dim as f64, 10.0);
+    let least = median(&mut means.clone()) - f64::max(draws.dim as f64, 10.0);
     (0..draws.chains).filter(|&chain| means[chain] >= least).collect()
-}
-
-fn least_effective(draws: &ChainDraws) -> f64 {
-    (0..draws.dim).map(|j| effective_sample_size(&draws.series(j))).fold(f64::INFINITY, f64::min)
-}
-
-/// The upper one of two in the middle.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
 }

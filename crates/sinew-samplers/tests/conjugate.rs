@@ -15,7 +15,7 @@ use sinew_samplers::metric::{Dense, Metric};
 use sinew_samplers::population::Population;
 use sinew_samplers::resample::Scheme;
 use sinew_samplers::starts::{importance_starts, laplace_starts};
-use sinew_samplers::tempered_smc::{self, sample};
+use sinew_samplers::tempered_smc::{self, temper};
 use sinew_samplers::{Error, curvature::curvature};
 use std::f64::consts::TAU;
 
@@ -130,7 +130,7 @@ fn tempered_smc_has_exact_moments_and_evidence() {
         tempered_smc::Config { particles: 101, ..tempered_smc::Config::default() },
     ]) {
         let runs: Vec<_> = (0..200)
-            .map(|r| sample(&Observed, &Before, metric, &config, Isa::best(), Stage::new(r, "smc")).expect("runs"))
+            .map(|r| temper(&Observed, &Before, metric, &config, Isa::best(), Stage::new(r, "smc")).expect("runs"))
             .collect();
         let relative: Vec<f64> = runs.iter().map(|r| (r.log_evidence - exact_log_evidence()).exp()).collect();
         check_mean("evidence", &relative, 1.0);
@@ -150,7 +150,7 @@ fn tempered_smc_has_exact_moments_and_evidence() {
 fn temperatures_rise_to_one_and_cost_is_counted() {
     let [_, dense] = metrics();
     let config = tempered_smc::Config { particles: 64, updates: 2, leapfrog_steps: 3, ..Default::default() };
-    let run = sample(&Observed, &Before, &dense, &config, Isa::best(), Stage::new(1, "rise")).expect("runs");
+    let run = temper(&Observed, &Before, &dense, &config, Isa::best(), Stage::new(1, "rise")).expect("runs");
     let betas: Vec<f64> = run.temperatures.iter().map(|t| t.beta).collect();
     assert!(betas.len() > 3 && betas[0] > 0.0 && betas.is_sorted_by(|a, b| a < b), "{betas:?}");
     assert_eq!(betas.last(), Some(&1.0));
@@ -168,7 +168,7 @@ fn populations_are_the_same_for_every_number_of_threads() {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool").install(|| {
             let stage = || Stage::new(7, "threads");
             let isa = Isa::best();
-            let smc = sample(&Observed, &Before, &dense, &config, isa, stage()).expect("runs");
+            let smc = temper(&Observed, &Before, &dense, &config, isa, stage()).expect("runs");
             let target = Sum(&Observed, &Before);
             let weighted = importance(&target, &mode(), Tails::default(), 43, isa, &stage()).expect("runs");
             let start = Population::from_blocks(3, 43, |_, x| x.fill(Block::ZERO)).expect("not empty");
@@ -250,7 +250,7 @@ fn the_search_closes_in_on_the_peak_layer_by_layer() {
 #[test]
 fn bad_settings_are_refused() {
     let [_, dense] = metrics();
-    let smc = |config| sample(&Observed, &Before, &dense, &config, Isa::best(), Stage::new(1, "bad"));
+    let smc = |config| temper(&Observed, &Before, &dense, &config, Isa::best(), Stage::new(1, "bad"));
     let good = tempered_smc::Config::default();
     assert!(matches!(smc(tempered_smc::Config { particles: 0, ..good }), Err(Error::Empty { .. })));
     assert!(smc(tempered_smc::Config { updates: 0, ..good }).is_err());

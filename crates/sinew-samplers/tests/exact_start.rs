@@ -8,7 +8,7 @@ use sinew_core::kernel::MarkovKernel;
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
 use sinew_core::toy::Quadratic;
-use sinew_samplers::chains::{ChainDraws, Schedule, draw};
+use sinew_samplers::chains::{ChainDraws, Schedule, draw_trajectories};
 use sinew_samplers::hmc::{Chains, Hmc, Workspace, update};
 use sinew_samplers::metric::{Dense, Metric};
 use sinew_samplers::one_chain::OneChain;
@@ -94,7 +94,8 @@ fn check_moments(what: &str, before: &[Block], after: &[Block], centre: [f64; 2]
 
 fn ends(target: &impl GradLogDensity, hmc: &Hmc, starts: &[Block], updates: usize, stage: &Stage) -> ChainDraws {
     let chains = starts.len() / target.dim() * LANES;
-    draw(target, hmc, starts, chains, Schedule { updates, burn_in: updates }, stage).expect("finite starts")
+    draw_trajectories(target, hmc, starts, chains, Schedule { updates, burn_in: updates }, stage)
+        .expect("finite starts")
 }
 
 /// 4 × 8 statistics: false alarm 2e-4. Seeds 1 and 2.

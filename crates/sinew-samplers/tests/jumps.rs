@@ -8,7 +8,7 @@ use sinew_core::random::Stage;
 use sinew_samplers::chains::Schedule;
 use sinew_samplers::gaussian_mixture::GaussianMixture;
 use sinew_samplers::hmc::Hmc;
-use sinew_samplers::jumps::{Jumps, draw};
+use sinew_samplers::jumps::{Jumps, draw_with_jumps};
 
 /// 0.3 N((−4, 0), I) + 0.7 N((4, 0), I).
 struct Clusters;
@@ -68,8 +68,8 @@ fn a_start_from_the_target_stays_in_the_target() {
     let hmc = Hmc::new(0.9, &[1.0; 2], 3, 0.2, Isa::best()).expect("valid");
     let starts = exact(2500, 0.3, Stage::new(2, "start"));
     let schedule = Schedule { updates: 2, burn_in: 2 };
-    let run =
-        draw(&Clusters, &hmc, &rough(), &starts, 20_000, schedule, &Stage::new(2, "stays")).expect("finite starts");
+    let run = draw_with_jumps(&Clusters, &hmc, &rough(), &starts, 20_000, schedule, &Stage::new(2, "stays"))
+        .expect("finite starts");
     assert!(run.acceptance > 0.3 && run.acceptance < 0.9, "{}", run.acceptance);
     for (k, (old, new)) in moments(&starts).iter().zip(moments(&run.draws.states)).enumerate() {
         let change: Vec<f64> = old.iter().zip(&new).map(|(old, new)| new - old).collect();
@@ -92,7 +92,7 @@ fn a_start_in_one_cluster_reaches_both() {
     let starts = exact(1000, 1.0, Stage::new(3, "start"));
     let schedule = Schedule { updates: 30, burn_in: 30 };
     let run = |jumps: &Jumps| {
-        let run = draw(&Clusters, &hmc, jumps, &starts, 8000, schedule, &Stage::new(3, "reach"));
+        let run = draw_with_jumps(&Clusters, &hmc, jumps, &starts, 8000, schedule, &Stage::new(3, "reach"));
         run.expect("finite starts").draws
     };
     let draws = run(&rough());
@@ -115,7 +115,8 @@ fn one_chain_alone_takes_every_lane_s_proposals() {
     let hmc = Hmc::new(0.9, &[1.0; 2], 3, 0.2, Isa::best()).expect("valid");
     let start = exact(1, 1.0, Stage::new(4, "start"));
     let schedule = Schedule { updates: 20_000, burn_in: 20 };
-    let run = draw(&Clusters, &hmc, &rough(), &start, 1, schedule, &Stage::new(4, "alone")).expect("finite start");
+    let run =
+        draw_with_jumps(&Clusters, &hmc, &rough(), &start, 1, schedule, &Stage::new(4, "alone")).expect("finite start");
     let [x, y] = [0, 1].map(|j| run.draws.series(j).concat());
     let values: [Vec<f64>; 5] = [
         x.clone(),

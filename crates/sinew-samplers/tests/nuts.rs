@@ -10,7 +10,7 @@ use sinew_core::random::Stage;
 use sinew_samplers::Error;
 use sinew_samplers::chains::{ChainStat, Schedule};
 use sinew_samplers::metric::{Dense, Metric};
-use sinew_samplers::nuts::{MAX_DEPTH, Nuts, TreeRun, draw};
+use sinew_samplers::nuts::{MAX_DEPTH, Nuts, TreeRun, draw_trees};
 
 /// A target that is the image of a standard normal z.
 trait Exact: GradLogDensity {
@@ -137,7 +137,7 @@ fn run(
     stage: &Stage,
 ) -> TreeRun {
     let chains = starts.len() / target.dim() * LANES;
-    draw(target, nuts, starts, chains, Schedule { updates, burn_in }, stage).expect("finite starts")
+    draw_trees(target, nuts, starts, chains, Schedule { updates, burn_in }, stage).expect("finite starts")
 }
 
 fn nuts(eta: f64, metric: &Metric, jitter: f64) -> Nuts {
@@ -242,8 +242,9 @@ fn trees_are_as_long_as_half_a_period() {
 #[test]
 fn divergences_are_counted_and_no_chain_ends_on_one() {
     let nuts = nuts(0.5, &Metric::Diagonal(vec![1.0]), 0.2);
-    let run = draw(&Cliff, &nuts, &[Block::ZERO], 5, Schedule { updates: 2000, burn_in: 0 }, &Stage::new(3, "cliff"))
-        .expect("finite start");
+    let run =
+        draw_trees(&Cliff, &nuts, &[Block::ZERO], 5, Schedule { updates: 2000, burn_in: 0 }, &Stage::new(3, "cliff"))
+            .expect("finite start");
     let counted = run.draws.stats.iter().filter(|stat| stat.divergent).count();
     assert!(run.draws.divergences == counted && counted > 1000, "{counted}");
     for chain in run.draws.series(0) {
@@ -293,7 +294,7 @@ fn bad_settings_and_starts_are_refused() {
     }
     let nuts = nuts(0.5, &Metric::Diagonal(vec![1.0]), 0.0);
     let start = |x: f64, updates: usize, burn_in: usize, chains: usize| {
-        draw(&Cliff, &nuts, &[Block::splat(x)], chains, Schedule { updates, burn_in }, &Stage::new(1, "refused"))
+        draw_trees(&Cliff, &nuts, &[Block::splat(x)], chains, Schedule { updates, burn_in }, &Stage::new(1, "refused"))
     };
     assert!(matches!(start(3.0, 5, 0, 8), Err(Error::BadStart { lane: 0, .. })));
     assert!(matches!(start(0.0, 5, 6, 8), Err(Error::OutOfRange { name: "burn-in", .. })));

@@ -7,7 +7,7 @@ use sinew_core::random::{BlockRng, Stage};
 use sinew_core::transition::FramePrior;
 use sinew_samplers::metric::Metric;
 use sinew_samplers::temperature::{MOST, exponent};
-use sinew_samplers::tempered_smc::{Config, Temperature, sample};
+use sinew_samplers::tempered_smc::{Config, Temperature, temper};
 use sinew_samplers::weights::{effective_number, normalise};
 
 /// Log weights of a Gaussian in ten dimensions: χ² halves.
@@ -167,7 +167,7 @@ impl GradLogDensity for Likelihood {
 fn tempered(likelihood: &Likelihood, precision: f64) -> (Vec<Temperature>, f64) {
     let config = Config { particles: 1000, ..Config::default() };
     let metric = Metric::Diagonal(vec![precision]);
-    let mut run = sample(likelihood, &Standard, &metric, &config, Isa::best(), Stage::new(1, "sign")).expect("runs");
+    let mut run = temper(likelihood, &Standard, &metric, &config, Isa::best(), Stage::new(1, "sign")).expect("runs");
     run.temperatures.pop();
     let mean = run.mean()[0];
     (run.temperatures, mean)

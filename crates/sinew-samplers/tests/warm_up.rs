@@ -56,10 +56,10 @@ fn chains_from_far_tails_arrive_with_the_others() {
     let common = tuning::step_size(&mut trial, 3, &tuning::Config::default(), &Stage::new(3, "common"));
     assert!(matches!(common, Err(Error::StepSizeNotFound { .. })), "{common:?}");
 
-    let WarmedUp { metric, states, step_size } = warmed(&starts);
+    let WarmedUp { metric, states, step_size, .. } = warmed(&starts);
     let nuts = Nuts::with_metric(step_size, &metric, 10, 0.0, Isa::best()).expect("valid");
     let schedule = Schedule { updates: 400, burn_in: 1 };
-    let run = nuts::draw(&Counts, &nuts, &states, CHAINS, schedule, &Stage::new(4, "draw")).expect("finite");
+    let run = nuts::draw_trees(&Counts, &nuts, &states, CHAINS, schedule, &Stage::new(4, "draw")).expect("finite");
     assert!((run.draws.acceptance - 0.8).abs() < 0.1, "{}", run.draws.acceptance);
     let quality = run.draws.quality(&SEEN.map(|k| (k - 0.5).ln()));
     assert!(quality.r_hat < 1.01 && run.draws.divergences == 0, "{quality:?}");

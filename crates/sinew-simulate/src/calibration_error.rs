@@ -3,7 +3,7 @@
 use crate::draws::{normals, uniforms};
 use sinew_core::random::Stage;
 use sinew_observe::Camera;
-use sinew_observe::camera_error::{NUMBERS, with_error};
+use sinew_observe::cameras::camera_error::{NUMBERS, with_error};
 
 /// Standard deviations of a camera's errors; the errors of one camera share a factor 1/√w, w ~ Gamma(2, 2), so that one camera of several is off by more than the others.
 #[derive(Clone, Copy, Debug, PartialEq)]

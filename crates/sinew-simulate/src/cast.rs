@@ -14,7 +14,7 @@
 use crate::evaluation_body::ConvexShape;
 use crate::space::{Vector, along, dot, minus, unit};
 use sinew_observe::Camera;
-use sinew_observe::camera::MIN_DEPTH_M;
+use sinew_observe::cameras::camera::MIN_DEPTH_M;
 
 /// A solid in the frame of a camera.
 pub(super) struct Cast {

@@ -1,10 +1,10 @@
 //! Several people who walk across each other's ways, and a detector that takes one for another.
 //!
-//! Each person is an adult of his own size ([`crate::adult`]) who stands for a moment and walks straight across the middle, in a direction of his own; half way all of them are near the middle, each at most [`BESIDE_M`] beside it. Keypoints are as in [`crate::detector`], and besides, in a camera and frame
+//! Each person is an adult of their own size ([`crate::adult`]) who stands for a moment and walks straight across the middle, in a direction of their own; half way all of them are near the middle, each at most [`BESIDE_M`] beside it. Where that is longer than a room of [`ROOM_M`] they turn before its walls ([`crate::room`]) and come through the middle again and again. Keypoints are as in [`crate::detector`], and besides, in a camera and frame
 //!
-//! 1. a keypoint that another person hides is not found: the ray to it enters his body before;
+//! 1. a keypoint that another person hides is not found: the ray to it enters their body before;
 //! 2. somebody is lost with the probability [`CrowdNoise::lost`];
-//! 3. of two whose boxes in the image share more than [`CLOSE`] of the smaller one, the farther is merged into the nearer with the probability [`CrowdNoise::merged`]: he is not found;
+//! 3. of two whose boxes in the image share more than [`CLOSE`] of the smaller one, the farther is merged into the nearer with the probability [`CrowdNoise::merged`]: the farther is not found;
 //! 4. else the two exchange an arm or a leg with the probability [`CrowdNoise::swapped`];
 //! 5. people are listed in any order.
 //!
@@ -20,17 +20,22 @@ use crate::draws::uniforms;
 use crate::evaluation_body::EvaluationBody;
 use crate::recording::{body_25b, keypoint_json};
 use crate::ring::{Ring, around};
+use crate::room::WALL_M;
 use crate::walker::{Gait, Walker, walker_states};
+use sinew_body::points::{Trajectories, points_of_states};
 use sinew_core::random::Stage;
 use sinew_formats::Layout;
 use sinew_formats::openpose::Keypoint;
-use sinew_motion::points::{Trajectories, points_of_states};
 use sinew_observe::Camera;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 /// How far people pass beside the middle, metres.
 pub const BESIDE_M: f64 = 0.5;
+/// Side of the square room that a crowd stays in, metres.
+pub const ROOM_M: f64 = 8.0;
+/// How much farther from the middle the corners of a way are than its ends.
+const CORNER: f64 = 1.15;
 /// Share of the smaller box from which two people are close in an image.
 pub const CLOSE: f64 = 0.3;
 /// A keypoint lies this deep in its own body, metres.
@@ -82,9 +87,9 @@ pub type FoundPeople = Vec<Vec<Option<Keypoint>>>;
 /// A recording of several people.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CrowdRecording {
-    /// True points of each person, also while he is away.
+    /// True points of each person, also while they are away.
     pub truth: Vec<Trajectories>,
-    /// Frames in which each person is away; empty where he never is.
+    /// Frames in which each person is away; empty where they never are.
     pub away: Vec<Range<usize>>,
     /// Cameras, as their calibration has them.
     pub cameras: Vec<Camera>,
@@ -114,12 +119,12 @@ impl CrowdRecording {
     pub fn with_absences(crowd: &Crowd, absences: Option<&Absences>, seed: u64) -> Result<Self, Error> {
         let stage = Stage::new(seed, "crowd");
         let [ways, bodies, detector, mix] = stage.split(["ways", "bodies", "detector", "mix"]);
-        let mut truth: Vec<Trajectories> = (0..crowd.people).map(|person| walk(crowd, person, &ways)).collect();
+        let (mut truth, turns) = walks(crowd, &ways);
         let absent = Stage::new(seed, "absences");
         let away: Vec<Range<usize>> = truth
             .iter_mut()
             .enumerate()
-            .map(|(person, one)| absences.map_or(0..0, |a| away(a, crowd.rate_hz, one, &absent.round(person))))
+            .map(|(person, one)| absences.map_or(0..0, |a| away(a, crowd.rate_hz, one, turns, &absent.round(person))))
             .collect();
         let together = |frame: usize| truth.iter().flat_map(|one| one.frames[frame].iter().copied()).collect();
         let frames = truth.first().map_or(0, |one| one.frames.len());
@@ -163,30 +168,44 @@ impl CrowdRecording {
     }
 }
 
-/// The way of a person.
-fn walk(crowd: &Crowd, person: usize, stage: &Stage) -> Trajectories {
-    let luck = uniforms(&stage.round(person), 0, 4);
-    let proportions = drawn(&stage.round(crowd.people + person));
-    let gait = Gait {
-        still_s: 0.2 + 0.6 * luck[0],
-        stride_s: 1.0 + 0.2 * luck[1],
-        duration_s: crowd.duration_s,
-        proportions,
-        ..Gait::default()
+/// Everybody's way, and whether they turn within the room.
+fn walks(crowd: &Crowd, stage: &Stage) -> (Vec<Trajectories>, bool) {
+    let luck: Vec<Vec<f64>> = (0..crowd.people).map(|person| uniforms(&stage.round(person), 0, 4)).collect();
+    let straight = |(person, luck): (usize, &Vec<f64>)| {
+        Walker::new(Gait {
+            still_s: 0.2 + 0.6 * luck[0],
+            stride_s: 1.0 + 0.2 * luck[1],
+            duration_s: crowd.duration_s,
+            proportions: drawn(&stage.round(crowd.people + person)),
+            room_m: [f64::INFINITY; 2],
+            ..Gait::default()
+        })
     };
-    let walker = Walker::new(gait);
-    let states = walker_states(&walker, crowd.rate_hz);
-    let middle = states.get(states.len() / 2).map_or(0.0, |state| state[1]);
-    let heading = TAU * person as f64 / crowd.people as f64 + 0.4 * (luck[2] - 0.5);
-    // Whoever comes from the opposite side passes on the other side.
-    let beside = BESIDE_M * (0.5 + 0.5 * luck[3]);
-    let (sin, cos) = (heading + if crowd.people == 1 { 0.0 } else { PI / 8.0 }).sin_cos();
-    let mut motion = points_of_states(&walker.body, &states);
-    for point in motion.frames.iter_mut().flatten() {
-        let [x, y] = [point[0] + beside, point[1] - middle];
-        (point[0], point[1]) = (cos * x - sin * y, sin * x + cos * y);
+    let mut walkers: Vec<Walker> = luck.iter().enumerate().map(straight).collect();
+    let longest = walkers.iter().map(Walker::length).fold(0.0, f64::max);
+    let turns = longest > ROOM_M - 2.0 * WALL_M;
+    if turns {
+        // Ways as long as people are fast: all come to the middle at about the same times, as often as they do.
+        let reach = (0.5 * ROOM_M - WALL_M - BESIDE_M) / CORNER;
+        let own = |walker: &Walker| 2.0 * (reach * walker.length() / longest + WALL_M);
+        walkers = walkers.iter().map(|w| Walker::new(Gait { room_m: [own(w); 2], ..w.gait })).collect();
     }
-    motion
+    let walk = |(person, (walker, luck)): (usize, (&Walker, &Vec<f64>))| {
+        let states = walker_states(walker, crowd.rate_hz);
+        let half_way = states.get(states.len() / 2).map_or(0.0, |state| state[1]);
+        let middle = walker.middle().unwrap_or(half_way);
+        let heading = TAU * person as f64 / crowd.people as f64 + 0.4 * (luck[2] - 0.5);
+        // Whoever comes from the opposite side passes on the other side.
+        let beside = BESIDE_M * (0.5 + 0.5 * luck[3]);
+        let (sin, cos) = (heading + if crowd.people == 1 { 0.0 } else { PI / 8.0 }).sin_cos();
+        let mut motion = points_of_states(&walker.body, &states);
+        for point in motion.frames.iter_mut().flatten() {
+            let [x, y] = [point[0] + beside, point[1] - middle];
+            (point[0], point[1]) = (cos * x - sin * y, sin * x + cos * y);
+        }
+        motion
+    };
+    (walkers.iter().zip(&luck).enumerate().map(walk).collect(), turns)
 }
 
 /// What hides and is mixed up.
@@ -296,6 +315,33 @@ mod tests {
             for (a, b) in [(0, 1), (0, 2), (1, 3)] {
                 let nearest = (0..frames).map(|f| distance(at(a, f), at(b, f))).fold(f64::INFINITY, f64::min);
                 assert!((0.15..1.6).contains(&nearest), "{a} and {b} pass at {nearest} m, seed {seed}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_crowd_of_a_minute_stays_in_its_room_and_nobody_walks_through_anybody() {
+        for seed in 1..4 {
+            let crowd = Crowd { duration_s: 60.0, rate_hz: 5.0, ..crowd(4) };
+            let (truth, turns) = walks(&crowd, &Stage::new(seed, "crowd"));
+            assert!(turns);
+            let hip = truth[0].index("MidHip").unwrap();
+            for frame in 0..300 {
+                let points = truth.iter().flat_map(|one| &one.frames[frame]);
+                let reach = points.map(|p| p[0].abs().max(p[1].abs())).fold(0.0, f64::max);
+                assert!(reach < 0.5 * ROOM_M, "{reach} m from the middle, seed {seed}");
+                for a in 0..4 {
+                    for b in 0..a {
+                        let [p, q] = [a, b].map(|person| truth[person].frames[frame][hip]);
+                        let apart = (p[0] - q[0]).hypot(p[1] - q[1]);
+                        assert!(apart > 0.15, "{a} and {b} are {apart} m apart in frame {frame}, seed {seed}");
+                    }
+                }
+            }
+            let all = Trajectories { names: vec![], frames: truth.into_iter().flat_map(|one| one.frames).collect() };
+            for camera in around(&all, &Ring::default()).unwrap() {
+                let [x, y, _] = camera.centre();
+                assert!(x.hypot(y) < 2.5 + 0.5 * ROOM_M + 0.5, "a camera at {x}, {y}, seed {seed}");
             }
         }
     }

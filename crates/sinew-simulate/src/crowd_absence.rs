@@ -1,16 +1,16 @@
 //! People of a crowd who come late, leave, and come back or not.
 //!
-//! Nobody is seen by any camera, and hides nobody, while he is away. Whoever comes back has gone somewhere in the meantime: he is anywhere within [`STROLL_M_S`] times the gap of where he left, in a direction of its own, and walks towards the middle from there. So nothing but who he is joins the two stays, and the way that lies between.
+//! Nobody is seen by any camera, and hides nobody, while they are away. Whoever comes back has gone somewhere in the meantime: they are anywhere within [`STROLL_M_S`] times the gap of where they left, in a direction of its own, and walks towards the middle from there. So nothing but who they are joins the two stays, and the way that lies between.
 
 use crate::draws::uniforms;
+use sinew_body::points::Trajectories;
 use sinew_core::random::Stage;
-use sinew_motion::points::Trajectories;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-/// How far somebody gets while he is away, metres a second.
+/// How far somebody gets while they are away, metres a second.
 pub const STROLL_M_S: f64 = 1.5;
-/// How far beside the middle he walks afterwards, metres.
+/// How far beside the middle they walk afterwards, metres.
 const BESIDE_M: f64 = 0.5;
 
 /// Who is away when.
@@ -24,7 +24,7 @@ pub struct Absences {
     pub comes_s: [f64; 2],
     /// Seconds between which somebody leaves.
     pub leaves_s: [f64; 2],
-    /// Seconds that he is away, from and to.
+    /// Seconds that they are away, from and to.
     pub gap_s: [f64; 2],
 }
 
@@ -34,8 +34,15 @@ impl Absences {
         Self { late: 0.25, for_good: 0.25, comes_s: [1.0, 5.0], leaves_s: [1.5, 4.5], gap_s: [0.5, 3.0] };
 }
 
-/// Frames without somebody; where he comes back, `motion` is changed from there on.
-pub(crate) fn away(absences: &Absences, rate_hz: f64, motion: &mut Trajectories, stage: &Stage) -> Range<usize> {
+/// Frames without somebody; where they come back, `motion` is changed from there on.
+/// Whoever `turns` within a room is back where their way has led meanwhile.
+pub(crate) fn away(
+    absences: &Absences,
+    rate_hz: f64,
+    motion: &mut Trajectories,
+    turns: bool,
+    stage: &Stage,
+) -> Range<usize> {
     let luck = uniforms(stage, 0, 8);
     let between = |[low, high]: [f64; 2], part: f64| low + part * (high - low);
     let frame = |seconds: f64| ((seconds * rate_hz).round() as usize).min(motion.frames.len());
@@ -44,7 +51,7 @@ pub(crate) fn away(absences: &Absences, rate_hz: f64, motion: &mut Trajectories,
     }
     let (left_s, gap_s) = (between(absences.leaves_s, luck[1]), between(absences.gap_s, luck[2]));
     let (left, back) = (frame(left_s), frame(if luck[7] < absences.for_good { f64::INFINITY } else { left_s + gap_s }));
-    if back < motion.frames.len() {
+    if back < motion.frames.len() && !turns {
         let (sin, cos) = (TAU * luck[3]).sin_cos();
         let far = STROLL_M_S * gap_s * luck[4].sqrt();
         let [x, y] = place(&motion.frames[left]);
@@ -87,7 +94,7 @@ mod tests {
         let (mut late, mut gone, mut gaps) = (0, 0, vec![]);
         for seed in 0..400 {
             let mut changed = motion();
-            let away = away(&Absences::USUAL, 10.0, &mut changed, &Stage::new(seed, "test"));
+            let away = away(&Absences::USUAL, 10.0, &mut changed, false, &Stage::new(seed, "test"));
             if away.start == 0 {
                 late += 1;
                 assert!((10..=50).contains(&away.end), "{away:?}");

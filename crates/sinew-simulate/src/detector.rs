@@ -12,11 +12,11 @@
 //! Points outside the image or behind the camera are not found. Pixels are rounded to 0.001, confidences to 0.0001, so that files hold exactly what memory holds.
 
 use crate::draws::{normals, uniforms};
+use sinew_body::points::Trajectories;
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
 use sinew_formats::Layout;
 use sinew_formats::openpose::Keypoint;
-use sinew_motion::points::Trajectories;
 use sinew_observe::{Camera, Projection};
 use std::borrow::Cow;
 

@@ -6,17 +6,6 @@ use sinew_body::standard::EVALUATION_JOINTS;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A sequence without trials.
-    #[error("a sequence of no trials")]
-    NoTrials,
-    /// A trial that a sequence cannot take.
-    #[error("the trial {name} {problem}")]
-    Trial {
-        /// Its name.
-        name: String,
-        /// What is wrong with it, as the rest of the sentence.
-        problem: String,
-    },
     /// Points that a body hangs on and that the motion lacks.
     #[error("the motion has no {}", .0.join(", "))]
     MissingJoints(Vec<&'static str>),
@@ -34,7 +23,7 @@ impl Error {
     pub fn help(&self) -> Option<String> {
         match self {
             Self::MissingJoints(_) => Some(format!("a body needs the points {}", EVALUATION_JOINTS.join(", "))),
-            Self::NoTrials | Self::Trial { .. } | Self::NotFinite | Self::Camera(_) => None,
+            Self::NotFinite | Self::Camera(_) => None,
         }
     }
 }

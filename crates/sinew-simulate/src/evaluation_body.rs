@@ -17,9 +17,10 @@
 use crate::Error;
 use crate::draws::{normals, uniforms};
 use crate::space::{Vector, across, along, between, cross, distance, minus, unit};
+use sinew_body::points::Trajectories;
 use sinew_body::standard::EVALUATION_JOINTS;
+use sinew_core::estimators::median;
 use sinew_core::random::Stage;
-use sinew_motion::points::Trajectories;
 
 /// What a solid looks as if made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -328,7 +329,7 @@ impl EvaluationBody {
             .collect();
         let length = |chain: &Chain| {
             let of = |pose: &Pose| distance(pose.landmarks[chain.ends[0]], pose.landmarks[chain.ends[1]]);
-            median(sample.iter().map(of).collect())
+            median(&mut sample.iter().map(of).collect::<Vec<_>>())
         };
         CHAINS.iter().map(length).collect()
     }
@@ -337,11 +338,6 @@ impl EvaluationBody {
 /// Frames that medians are taken over.
 const SAMPLE: usize = 100;
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or_default()
-}
-
 /// Distance from the middle of the shoulders to the top of the head in the adult of the tables, metres. Recorded joints of that name may end inside the head.
 const HEAD_OVER_SHOULDERS_M: f64 = 0.30;
 
@@ -349,7 +345,7 @@ impl Size {
     fn of(joints: &[[Vector; EVALUATION_JOINTS.len()]]) -> Self {
         type Joints = [Vector; EVALUATION_JOINTS.len()];
         let over = |of: fn(&Joints) -> f64| {
-            median(joints.iter().step_by(joints.len().div_ceil(SAMPLE).max(1)).map(of).collect())
+            median(&mut joints.iter().step_by(joints.len().div_ceil(SAMPLE).max(1)).map(of).collect::<Vec<_>>())
         };
         let stature = over(|j| {
             let side = |s: usize| distance(j[HIPS + s], j[KNEES + s]) + distance(j[KNEES + s], j[ANKLES + s]);
@@ -462,7 +458,7 @@ fn foot(
 mod tests {
     use super::*;
     use crate::walker::{Gait, Walker, walker_states};
-    use sinew_motion::points::points_of_states;
+    use sinew_body::points::points_of_states;
 
     fn walk(duration_s: f64) -> Trajectories {
         let walker = Walker::new(Gait { duration_s, ..Gait::default() });

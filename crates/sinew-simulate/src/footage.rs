@@ -8,7 +8,7 @@
 //! use sinew_simulate::footage::SyntheticFootage;
 //! use sinew_simulate::ring::Ring;
 //! use sinew_simulate::segmentation_noise::Level;
-//! use sinew_motion::points::points_of_states;
+//! use sinew_body::points::points_of_states;
 //! use sinew_simulate::walker::{Gait, Walker, walker_states};
 //! let walker = Walker::new(Gait { duration_s: 0.1, ..Gait::default() });
 //! let motion = points_of_states(&walker.body, &walker_states(&walker, 30.0));
@@ -24,11 +24,11 @@ use crate::evaluation_body::EvaluationBody;
 use crate::render::RayCamera;
 use crate::ring::{Ring, around};
 use crate::segmentation_noise::{Level, segmented};
+use sinew_body::points::Trajectories;
 use sinew_core::random::Stage;
-use sinew_motion::points::Trajectories;
 use sinew_observe::Camera;
 use sinew_observe::RgbImage;
-use sinew_observe::bit_image::BitImage;
+use sinew_observe::silhouettes::bit_image::BitImage;
 use std::sync::OnceLock;
 
 /// A motion before cameras.

@@ -1,12 +1,12 @@
 //! Simulated people, cameras and detectors with known truth.
 //!
-//! A person who stands and walks, virtual cameras around him, and a detector that errs as real ones do.
+//! A person who stands and walks, virtual cameras around them, and a detector that errs as real ones do.
 //!
 //! | module | what |
 //! |---|---|
 //! | [`gait`] | normative joint-angle curves of walking as Fourier series |
 //! | [`walker`] | the whole body's state over time, feet on the ground |
-//! | [`combo`] | walking, running and free movement in one sequence |
+//! | [`room`] | the way of a long walk, which turns before the walls |
 //! | [`ring`] | cameras on a circle around a motion |
 //! | [`draws`] | random numbers that are the same on every processor |
 //! | [`crowd`] | several people, before a detector that takes one for another |
@@ -31,7 +31,6 @@
 pub mod adult;
 pub mod calibration_error;
 mod cast;
-pub mod combo;
 pub mod crowd;
 pub mod crowd_absence;
 pub mod detector;
@@ -43,6 +42,7 @@ pub mod gait;
 pub mod recording;
 pub mod render;
 pub mod ring;
+pub mod room;
 pub mod segmentation_noise;
 mod space;
 pub mod walker;

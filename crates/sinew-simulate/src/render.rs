@@ -13,7 +13,7 @@ use crate::draws::normals;
 use crate::evaluation_body::{Material, MaterialSolid};
 use crate::space::{Vector, along, dot};
 use sinew_core::random::Stage;
-use sinew_observe::bit_image::BitImage;
+use sinew_observe::silhouettes::bit_image::BitImage;
 use sinew_observe::{Camera, RgbImage};
 use std::ops::Range;
 
@@ -234,7 +234,7 @@ fn hash(i: i64, j: i64, seed: u64) -> f64 {
 mod tests {
     use super::*;
     use crate::evaluation_body::ConvexShape;
-    use sinew_observe::lens::Brown;
+    use sinew_observe::cameras::lens::Brown;
 
     fn cameras() -> [Camera; 2] {
         let straight = Camera::look_at("C1", [160.0, 120.0], 150.0, [2.5, -3.0, 2.2], [0.0, 0.0, 1.0]).unwrap();

@@ -6,7 +6,7 @@
 //! an image than 5 % of half its size ([`Ring::flesh_m`] around it included); it is the same for all cameras. No distortion; the principal point is the middle of the image.
 
 use crate::detector::pixel;
-use sinew_motion::points::Trajectories;
+use sinew_body::points::Trajectories;
 use sinew_observe::{Camera, Error};
 use std::f64::consts::TAU;
 

@@ -13,7 +13,7 @@
 use crate::draws::{normals, uniforms};
 use crate::render::bit_image;
 use sinew_core::random::Stage;
-use sinew_observe::bit_image::BitImage;
+use sinew_observe::silhouettes::bit_image::BitImage;
 use std::f64::consts::TAU;
 use std::ops::Range;
 

@@ -1,6 +1,6 @@
 //! Vectors of three numbers.
 
-pub(super) use sinew_motion::points::{between, distance};
+pub(super) use sinew_body::points::{between, distance};
 
 /// A point, a direction or a ray.
 pub(super) type Vector = [f64; 3];

@@ -12,9 +12,13 @@
 //!    each heel strike); within a foot it passes from heel to toes. The root is as high as puts the load-weighted height of heels and toes at 0, and moves so that
 //!    their load-weighted velocity is 0. The speed is thus what step length and cadence make it, 1.2 m/s for the standard body.
 //!
-//! Limits: straight ahead on level ground, rigid feet, no variation from step to step; toes that do not bend, so that they dip up to 15 mm into the ground when they push off.
+//! 5. A walk that is longer than the room goes along [`crate::room`]'s way, at the same speed: the body is turned to its heading, and each foot is put where the way has it,
+//!    by turning the leg at the hip, so that a foot that carries stands and keeps its direction. The yaw rate stays below 2 rad/s in a room of 6 m.
+//!
+//! Limits: level ground, rigid feet, no leaning into turns and no slowing down for them, no variation from step to step; toes that do not bend, so that they dip up to 15 mm into the ground when they push off.
 
 use crate::gait::{ANKLE, HIP, KNEE};
+use crate::room::Way;
 use sinew_body::standard::h32;
 use sinew_body::{KinematicTree, Plan, Proportions, point_positions};
 use sinew_core::lanes::Isa;
@@ -33,11 +37,16 @@ pub struct Gait {
     pub duration_s: f64,
     /// Size of the walker.
     pub proportions: Proportions,
+    /// Width (x) and depth (y) of the room, metres, at least 4; infinite for straight ahead. A walk that fits goes straight.
+    pub room_m: [f64; 2],
 }
+
+/// The room of a laboratory, metres.
+pub const ROOM_M: [f64; 2] = [6.0, 6.0];
 
 impl Default for Gait {
     fn default() -> Self {
-        Self { still_s: 1.0, stride_s: 1.1, start_s: 0.9, duration_s: 4.0, proportions: Proportions::default() }
+        Self { still_s: 1.0, stride_s: 1.1, start_s: 0.9, duration_s: 4.0, proportions: Proportions::default(), room_m: ROOM_M }
     }
 }
 
@@ -48,8 +57,12 @@ pub struct Walker {
     pub body: KinematicTree,
     /// What it walks.
     pub gait: Gait,
-    /// Forward position and height of the root at multiples of [`STEP_S`].
+    /// Way and height of the root at multiples of [`STEP_S`].
     root: Vec<[f64; 2]>,
+    /// Where the walker turns, if they do.
+    way: Option<Way>,
+    /// Hips and ankles, right ones first.
+    legs: Plan,
 }
 
 /// Time step of the way over the ground, seconds.
@@ -101,9 +114,57 @@ impl Walker {
             before = Some((feet, load));
             time_s = STEP_S * root.len() as f64;
         }
-        Self { body, gait, root }
+        let legs: Vec<usize> = LEGS.iter().filter_map(|name| body.point_index(name)).collect();
+        let legs = Plan::new(&body, &legs);
+        let way = Way::new(gait.room_m, forward);
+        Self { body, gait, root, way, legs }
+    }
+
+    /// How far the root goes, metres.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        self.root.last().map_or(0.0, |[walked, _]| *walked)
+    }
+
+    /// How far ahead of the start the middle of the room is, metres, where the walker turns.
+    #[must_use]
+    pub fn middle(&self) -> Option<f64> {
+        self.way.as_ref().map(Way::start)
+    }
+
+    /// Turns a pose of somebody who has walked straight ahead to their place on the way.
+    fn turn(&self, way: &Way, state: &mut [f64]) {
+        let walked = state[1];
+        let heading = way.heading(walked);
+        let mut flat = [0.0; 12];
+        point_positions(&self.legs, Isa::baseline(), state, &mut flat);
+        let at = |k: usize| [flat[3 * k], flat[3 * k + 1] - walked, flat[3 * k + 2]];
+        for (side, thigh, foot) in [(0, 24, 30), (2, 20, 28)] {
+            let (hip, ankle) = (at(side), at(side + 1));
+            let (to, turn) = way.bent(walked, [ankle[0], ankle[1]]);
+            let (sin, cos) = turn.sin_cos();
+            // Where the foot is to be, seen from the hip along its new direction, against where it was.
+            let [x, y] = [to[0] - hip[0], to[1] - hip[1]];
+            let leg = hip[2] - ankle[2];
+            let outwards = ((cos * x + sin * y) - (ankle[0] - hip[0])) / leg;
+            let ahead = ((cos * y - sin * x) - (ankle[1] - hip[1])) / leg;
+            state[thigh] += turn;
+            state[thigh + 1] -= outwards;
+            state[thigh + 2] += ahead;
+            state[foot] -= ahead;
+            state[foot + 1] += outwards;
+        }
+        let (sin, cos) = heading.sin_cos();
+        let [x, y] = way.place(walked);
+        let sway = state[0];
+        state[0] = x + cos * sway;
+        state[1] = y + way.start() + sin * sway;
+        state[3] += heading;
     }
 }
+
+/// Points by which feet are put on the way.
+const LEGS: [&str; 4] = ["RHip", "RAnkle", "LHip", "LAnkle"];
 
 /// Forward position and height of the contacts, with the root at the origin.
 fn feet_below_root(plan: &Plan, state: &[f64]) -> [[f64; 2]; 4] {
@@ -136,6 +197,9 @@ pub fn walker_pose(walker: &Walker, time_s: f64) -> Vec<f64> {
         state[1] = a[0] + part * (b[0] - a[0]);
         state[2] = a[1] + part * (b[1] - a[1]);
     }
+    if let Some(way) = &walker.way {
+        walker.turn(way, &mut state);
+    }
     state
 }
 
@@ -153,7 +217,7 @@ fn step(t: f64) -> f64 {
 }
 
 /// Integral of [`step`] from 0.
-fn step_integral(t: f64) -> f64 {
+pub(crate) fn step_integral(t: f64) -> f64 {
     let s = t.clamp(0.0, 1.0);
     s * s * s * s * (2.5 + s * (s - 3.0)) + (t - 1.0).max(0.0)
 }
@@ -274,12 +338,12 @@ fn posture(size: &Proportions, swing: &Swing) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew_motion::points::{Trajectories, points_of_states};
+    use sinew_body::points::{Trajectories, points_of_states};
 
     const RATE_HZ: f64 = 120.0;
 
     fn walk() -> (Walker, Vec<Vec<f64>>, Trajectories) {
-        let walker = Walker::new(Gait { duration_s: 6.0, ..Gait::default() });
+        let walker = Walker::new(Gait { duration_s: 6.0, room_m: [f64::INFINITY; 2], ..Gait::default() });
         let states = walker_states(&walker, RATE_HZ);
         let points = points_of_states(&walker.body, &states);
         (walker, states, points)
@@ -372,6 +436,57 @@ mod tests {
         }
         let bounds = points.select(&SOLES).bounds().unwrap();
         assert!(bounds[0][2] > -0.015, "{} m below ground", bounds[0][2]);
+    }
+
+    /// A minute in rooms of several sizes, by people of several sizes and speeds.
+    #[test]
+    fn a_long_walk_stays_in_its_room() {
+        use crate::adult::drawn;
+        use sinew_core::random::Stage;
+        for (seed, room_m) in [(1, ROOM_M), (2, ROOM_M), (3, ROOM_M), (4, [4.0, 5.0]), (5, [9.0, 6.0])] {
+            let proportions = drawn(&Stage::new(seed, "room"));
+            let gait = Gait { duration_s: 60.0, stride_s: 1.0 + 0.04 * seed as f64, proportions, room_m, ..Gait::default() };
+            let walker = Walker::new(gait);
+            let middle = walker.middle().unwrap();
+            let states = walker_states(&walker, 30.0);
+            let points = points_of_states(&walker.body, &states);
+            for frame in &points.frames {
+                let inside = |p: &[f64; 3]| p[0].abs() < 0.5 * room_m[0] && (p[1] - middle).abs() < 0.5 * room_m[1];
+                assert!(frame.iter().all(inside), "seed {seed}");
+            }
+            let yaw_rate = range(states.windows(2).map(|pair| 30.0 * (pair[1][3] - pair[0][3])));
+            let most = if room_m == [4.0, 5.0] { 3.6 } else { 2.0 };
+            assert!(yaw_rate[0] > -most && yaw_rate[1] < most, "seed {seed}: {yaw_rate:?} rad/s");
+            let speed = |pair: &[Vec<f64>]| (pair[1][0] - pair[0][0]).hypot(pair[1][1] - pair[0][1]) / 0.55;
+            let each: Vec<Vec<f64>> = (0..100).map(|k| walker_pose(&walker, 3.0 + 0.55 * f64::from(k))).collect();
+            let [slow, fast] = range(each.windows(2).map(speed));
+            assert!(slow > 0.9 && fast < 1.7, "seed {seed}: {slow} to {fast} m/s");
+        }
+    }
+
+    /// The pose before the first turn is that of a straight walk; in turns a foot that carries slides less than 4 cm.
+    #[test]
+    fn feet_stand_in_turns() {
+        let gait = Gait { duration_s: 16.0, ..Gait::default() };
+        let (walker, straight) = (Walker::new(gait), Walker::new(Gait { room_m: [f64::INFINITY; 2], ..gait }));
+        let (states, before) = (walker_states(&walker, RATE_HZ), walker_states(&straight, RATE_HZ));
+        let apart = states[300].iter().zip(&before[300]).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(apart < 1e-9, "{apart}");
+        let points = points_of_states(&walker.body, &states);
+        for (side, ahead) in [("R", 0.0), ("L", 0.5)] {
+            for (name, from, to) in [("Heel", 0.08, 0.36), ("BigToe", 0.12, 0.56)] {
+                let track = column(&points, &format!("{side}{name}"));
+                let stance = |frame: usize| {
+                    (from..to).contains(&(phase(&gait, frame as f64 / RATE_HZ) + ahead).rem_euclid(1.0))
+                };
+                let (mut anchor, mut worst) = (None, 0.0_f64);
+                for frame in 120..states.len() {
+                    anchor = if stance(frame) { anchor.or(Some(frame)) } else { None };
+                    worst = worst.max(anchor.map_or(0.0, |first| distance(track[frame], track[first])));
+                }
+                assert!(worst < 0.04, "{side}{name} slides {worst} m");
+            }
+        }
     }
 
     #[test]

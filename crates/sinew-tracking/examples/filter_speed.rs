@@ -1,4 +1,4 @@
-//! Times of the filter on the model of `xtask/peers/particles_filter.py`, which runs it: numbers of a series from the standard input, the number of particles as its argument.
+//! Times of the filter on the model of `crates/sinew-studies/peers/particles_filter.py`, which runs it: numbers of a series from the standard input, the number of particles as its argument.
 
 use sinew_core::lanes::{Block, Isa, Kernel, Real, dispatch};
 use sinew_tracking::state_space::{Settings, StateSpace, filter};

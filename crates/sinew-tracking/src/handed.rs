@@ -62,7 +62,7 @@ mod tests {
     /// Draws 0, 1, … in one dimension.
     fn draws(kept: usize) -> ChainDraws {
         let block = |b: usize| Block(core::array::from_fn(|lane| (b * LANES + lane) as f64));
-        let stat = ChainStat { log_density: 0.0, acceptance: 1.0, step_factor: 1.0, divergent: false, energy: 0.0 };
+        let stat = ChainStat { acceptance: 1.0, step_factor: 1.0, ..ChainStat::default() };
         ChainDraws {
             dim: 1,
             chains: 2,

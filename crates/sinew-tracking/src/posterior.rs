@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn the_last_states_of_chains_count() {
-        let stat = ChainStat { log_density: 0.0, acceptance: 1.0, step_factor: 1.0, divergent: false, energy: 0.0 };
+        let stat = ChainStat { acceptance: 1.0, step_factor: 1.0, ..ChainStat::default() };
         let stats = [stat; 3];
         let posterior = Posterior { chain_stats: &stats, ..weighted(&[1.0 / 3.0; 3]) };
         let exact = (0.5 * (-0.5_f64).exp() + 0.5 * (-2.0_f64).exp()).ln();

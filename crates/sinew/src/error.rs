@@ -11,135 +11,150 @@
 //! | 75 | interrupted; what was done is written and marked incomplete, `--resume` continues from there |
 //! | 130 | second interrupt, nothing saved since |
 
-use crate::results::error::{Occupied, ResultsError};
-use crate::results::problem::Problem;
+use crate::predict::error::PredictError;
+use crate::run::live::error::LiveError;
 use crate::track::error::TrackError;
-use sinew_recording::setup::SetupError;
-use sinew_recording::{Error as RecordingError, FileError, Problems};
+use sinew_input::{FileError, InputError, Problems};
+use sinew_results::{ReadError, ResultsError};
+use sinew_setup::SetupError;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::ops::Range;
+use std::path::PathBuf;
 
 /// Everything that ends a run early.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A recording, body or set-up that cannot be used.
+    /// A recording, set-up or result folder that cannot be used.
     #[error(transparent)]
-    Recording(#[from] RecordingError),
+    Results(#[from] sinew_results::Error),
     /// A recording that cannot be tracked as it stands.
     #[error(transparent)]
     Track(#[from] TrackError),
     /// A frame without a posterior.
     #[error(transparent)]
     Tracking(#[from] sinew_tracking::Error),
-    /// A file or folder that cannot be read or written.
+    /// What a camera should see cannot be said.
     #[error(transparent)]
-    Io(#[from] FileError),
-    /// Results that cannot be written or read back.
-    #[error(transparent)]
-    Results(#[from] ResultsError),
-    /// The output folder holds something.
-    #[error("`{}` {}", path.display(), found.words())]
-    OutputExists {
-        /// Output folder.
-        path: PathBuf,
-        /// What is in it.
-        found: Occupied,
-    },
-    /// The output folder is being written by another run.
-    #[error("`{}` is in use by another run{}", path.display(), pid.map(|pid| format!(" (process {pid})")).unwrap_or_default())]
-    OutputLocked {
-        /// Output folder.
-        path: PathBuf,
-        /// Process that holds the lock.
-        pid: Option<u32>,
-    },
-    /// A run that was stopped cannot be resumed.
-    #[error("`{}` {problem}", folder.display())]
-    Checkpoint {
-        /// Output folder.
-        folder: PathBuf,
-        /// Why.
-        problem: Box<Problem>,
-    },
-    /// The output folder holds or is an input.
-    #[error("the output folder `{}` is also the input `{}`", path.display(), input.display())]
-    OutputIsInput {
-        /// Output folder.
-        path: PathBuf,
-        /// Input inside it.
-        input: PathBuf,
-    },
-    /// A configuration with mistakes.
-    #[error(transparent)]
-    Config(#[from] Problems),
+    Predict(#[from] PredictError),
     /// The user requested an end where there was nothing new to write.
     #[error("interrupted {0}")]
     Interrupted(&'static str),
+    /// Nothing to track with.
+    #[error("{}", missing(*calibration, *observation))]
+    NothingToTrack {
+        /// Whether a calibration was given.
+        calibration: bool,
+        /// Whether keypoints or silhouettes were given.
+        observation: bool,
+    },
+    /// Set-up frames that the recording does not have.
+    #[error("set-up frames {}..{} were requested; the recording has {}..{}", asked.start, asked.end, available.start, available.end)]
+    SetupFrames {
+        /// Frames given.
+        asked: Range<u64>,
+        /// Frames of the recording.
+        available: Range<u64>,
+    },
+    /// Fewer people than the chosen number.
+    #[error("person {chosen} was chosen; two cameras see {found} for a quarter of a second or more", found = people(*found))]
+    NoSuchPerson {
+        /// Number given.
+        chosen: usize,
+        /// People there.
+        found: usize,
+    },
+    /// What is refused of a live run.
+    #[error(transparent)]
+    Live(#[from] LiveError),
+    /// The system grants no threads.
+    #[error("threads cannot be started: {0}")]
+    Threads(rayon::ThreadPoolBuildError),
+    /// A file that would be written over while it is read.
+    #[error("{} is both input and output", .0.display())]
+    InputIsOutput(PathBuf),
+    /// A file that the run itself writes.
+    #[error("{} is a file that the run itself writes", .0.display())]
+    ResultIsOutput(PathBuf),
 }
 
-impl From<sinew_formats::Error> for Error {
-    fn from(error: sinew_formats::Error) -> Self {
-        Self::Recording(error.into())
+sinew_input::errors_from_below!(
+    Error::Results: sinew_setup::Error, sinew_input::Error, sinew_formats::Error, FileError, InputError, Problems, SetupError, ResultsError,
+    ReadError
+);
+
+fn people(count: usize) -> String {
+    if count == 1 { "one person".into() } else { format!("{count} people") }
+}
+
+const fn missing(calibration: bool, observation: bool) -> &'static str {
+    match (calibration, observation) {
+        (false, false) => "neither calibration nor keypoints were given",
+        (false, true) => "no calibration was given",
+        (true, _) => "no keypoints were given",
     }
 }
 
-impl From<SetupError> for Error {
-    fn from(error: SetupError) -> Self {
-        Self::Recording(error.into())
-    }
-}
+/// Commands to try where there was nothing to track with.
+const TRY: &str = "try one of
+  sinew track --calibration Calib.toml --keypoints pose --fps 60
+  sinew track --calibration Calib.toml --silhouettes masks --keypoints pose --method annealed --fps 60
+  sinew demo";
 
 impl Error {
-    /// An [`Error::Io`] in the making: `map_err(Error::io("read", path))`.
+    /// A [`FileError`] in the making: `map_err(Error::io("read", path))`.
     pub fn io(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let on = FileError::on(doing, path);
-        move |source| Self::Io(on(source))
+        move |source| on(source).into()
     }
 
     /// The file that could not be read or written, if that is what went wrong.
     #[must_use]
     pub const fn file(&self) -> Option<&FileError> {
         match self {
-            Self::Io(error) | Self::Recording(RecordingError::Io(error)) => Some(error),
+            Self::Results(error) => error.file(),
             _ => None,
         }
-    }
-
-    /// An [`Error::Checkpoint`].
-    pub fn checkpoint(folder: &Path, problem: Problem) -> Self {
-        Self::Checkpoint { folder: folder.to_owned(), problem: Box::new(problem) }
     }
 
     /// Code with which the program ends.
     #[must_use]
     pub const fn exit_code(&self) -> u8 {
         match self {
-            Self::Checkpoint { problem, .. } => problem.exit_code(),
             Self::Results(error) => error.exit_code(),
-            Self::Recording(error) => error.exit_code(),
             Self::Track(error) => error.exit_code(),
-            Self::Tracking(_) => 1,
+            Self::Predict(error) => error.exit_code(),
+            Self::Live(error) => error.exit_code(),
+            Self::Tracking(_) | Self::Threads(_) => 1,
             Self::Interrupted(_) => 75,
-            Self::Config(_) | Self::OutputIsInput { .. } => 2,
-            Self::Io(_) | Self::OutputExists { .. } | Self::OutputLocked { .. } => 5,
+            Self::SetupFrames { .. } | Self::NoSuchPerson { .. } => 3,
+            Self::NothingToTrack { .. } | Self::InputIsOutput(_) | Self::ResultIsOutput(_) => 2,
         }
     }
 
     /// What the user can do about it.
     #[must_use]
     pub fn help(&self) -> Option<String> {
-        match self {
-            Self::Recording(error) => error.help(),
-            Self::Io(error) => error.help(),
-            Self::Results(error) => error.help(),
-            Self::OutputExists { found, .. } => Some(found.help().into()),
-            Self::Track(error) => error.help(),
-            Self::OutputLocked { .. } => Some("wait for it to end, or choose another folder with `-o`".into()),
-            Self::Checkpoint { problem, .. } => Some(problem.help().into()),
-            Self::OutputIsInput { .. } => Some("choose another folder with `-o`".into()),
-            Self::Config(_) => Some(Problems::HELP.into()),
-            Self::Interrupted(_) | Self::Tracking(_) => None,
-        }
+        let words = match self {
+            Self::Results(error) => return error.help(),
+            Self::Track(error) => return error.help(),
+            Self::Predict(error) => return error.help(),
+            Self::Live(error) => error.help(),
+            Self::Interrupted(_) | Self::Tracking(_) | Self::Threads(_) => return None,
+            Self::NothingToTrack { .. } => TRY,
+            Self::SetupFrames { .. } => "`--setup-frames A..B` takes the numbers in the file names, A included, B not",
+            Self::NoSuchPerson { .. } => {
+                "`--person` counts from 1 in the order of coming; `sinew inspect` with calibration and keypoints says who is there"
+            }
+            Self::InputIsOutput(_) | Self::ResultIsOutput(_) => "write to another file",
+        };
+        Some(words.to_owned())
     }
+}
+
+/// An error and what caused it, in one line.
+#[must_use]
+pub fn with_causes(error: &dyn std::error::Error) -> String {
+    let causes = std::iter::successors(error.source(), |cause| cause.source());
+    causes.fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
 }

@@ -8,9 +8,11 @@
 //! | [`setup`] | sizes of the person, offsets of the cameras, noise: one value |
 //! | [`methods`] | one file a method: what it needs and gives, its settings, how it is made |
 //! | [`track`] | the loop: observe, step, record; a whole run and its checkpoint |
+//! | [`run`] | whole runs: from settings to result folders, of one person or several, stopped and continued, live |
+//! | [`predict`] | what a camera that a run did not use should see |
 //! | [`results`] | estimates, the files of a run, and the same files read again |
 //!
-//! Beside them: [`config`] (settings with their origin), [`bodies`] (bodies by name or file) and [`files`]. Input and set-up come from the crate `sinew-recording`. The layers below are re-exported
+//! Beside them: [`config`] (settings with their origin), [`bodies`] (bodies by name or file) and [`files`]. Input, set-up and results are crates of their own. The layers below are re-exported
 //! as modules; each can be used alone.
 //!
 //! A simulated walker is seen by four cameras, and the set-up pass finds the length of the thighs from the keypoints alone:
@@ -45,8 +47,13 @@ pub use sinew_tracking as tracking;
 pub mod config;
 mod error;
 pub mod methods;
-pub mod results;
+pub mod predict;
+pub mod run;
 pub mod track;
 
-pub use error::Error;
-pub use sinew_recording::{Error as RecordingError, FileError, Problems, bodies, files, input, setup};
+pub use error::{Error, with_causes};
+pub use sinew_input as input;
+pub use sinew_input::{FileError, Problems, files};
+pub use sinew_results as results;
+pub use sinew_setup as setup;
+pub use sinew_setup::bodies;

@@ -1,6 +1,6 @@
 //! The loop of a run: observe a frame, step the tracker, record what came out.
 //!
-//! Enter: a source of frames, a set-up, settings. Leave: one [`FrameEstimate`](crate::results::estimate::FrameEstimate) a frame, and what a stopped run is resumed from ([`checkpoint`]).
+//! Enter: a source of frames, a set-up, settings. Leave: one [`FrameEstimate`](sinew_results::estimate::FrameEstimate) a frame, and what a stopped run is resumed from ([`checkpoint`]).
 //! Must not know: the command line and the format of any file but its own checkpoint and spool.
 
 pub mod checkpoint;
@@ -28,6 +28,6 @@ pub use motion_prior::{check_latent_model, check_model, motion_prior, walk};
 pub use pipeline::{Pipeline, State};
 pub use scene::{Scene, SceneState};
 pub use sinew_dynamics::backward_pass::TRAJECTORIES;
-pub use sinew_recording::predictive::{Doubt, Lengths, Origins};
+pub use sinew_setup::predictive::{Doubt, Lengths, Origins};
 pub use smooth::{Spool, smooth};
 pub use step_size::tune;

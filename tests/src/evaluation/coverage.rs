@@ -5,8 +5,8 @@
 use sinew::body::KinematicTree;
 use sinew::core::lanes::Block;
 use sinew::core::random::Stage;
-use sinew::results::estimate::FrameEstimate;
-use sinew_motion::points::Trajectories;
+use sinew_body::points::Trajectories;
+use sinew_results::estimate::FrameEstimate;
 
 /// For each frame and named point the share of its three true coordinates inside the 90 % intervals; NaN for points that the truth or the body lacks.
 #[must_use]

@@ -1,7 +1,7 @@
 //! Distances of a body's joints from a motion's, as they are and from the middle of the hips.
 
 use sinew::body::standard::EVALUATION_JOINTS;
-use sinew_motion::points::Trajectories;
+use sinew_body::points::Trajectories;
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()

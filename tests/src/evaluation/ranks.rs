@@ -11,8 +11,8 @@
 
 use sinew::body::{KinematicTree, Plan, point_positions};
 use sinew::core::lanes::Isa;
-use sinew::results::estimate::FrameEstimate;
-use sinew_motion::points::Trajectories;
+use sinew_body::points::Trajectories;
+use sinew_results::estimate::FrameEstimate;
 use statrs::distribution::{ChiSquared, ContinuousCDF as _};
 
 /// Levels of central intervals that are looked at.
@@ -145,7 +145,7 @@ mod tests {
     use super::*;
     use sinew::body::Proportions;
     use sinew::body::standard::h32;
-    use sinew::results::estimate::Draws;
+    use sinew_results::estimate::Draws;
 
     #[test]
     fn uniform_ranks_are_covered_as_promised() {

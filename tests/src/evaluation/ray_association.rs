@@ -9,7 +9,7 @@
 
 use super::several_people::{Points, Track};
 use sinew::observe::Camera;
-use sinew::observe::assignment::least_cost;
+use sinew::observe::association::assignment::least_cost;
 use sinew::observe::association::{Config, Person, triangulated};
 
 /// Distance of rays from which people are not the same, metres.

@@ -5,7 +5,7 @@
 use sinew::formats::Layout;
 use sinew::observe::Camera;
 use sinew::observe::association::Person;
-use sinew::observe::triangulate::{Config, Seen, triangulate};
+use sinew::observe::cameras::triangulate::{Config, Seen, triangulate};
 use std::f64::consts::PI;
 
 /// Positions of some points, frame by frame; `None` is missing.

@@ -6,7 +6,7 @@
 //! - **IDF1** (Ristani et al., ECCV workshops 2016): one track of the estimate for each true one, chosen so that most frames agree; IDF1 = 2 TP / (people + estimates).
 //! - **PCP** (Ferrari et al., CVPR 2008; Belagiannis et al., CVPR 2014): share of limbs whose two ends are off by at most half of the limb's length in the mean.
 
-use sinew::observe::assignment::least_cost;
+use sinew::observe::association::assignment::least_cost;
 
 /// Mean distance up to which an estimate is of a person, metres.
 pub const NEAR_M: f64 = 0.3;

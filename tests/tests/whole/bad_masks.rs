@@ -1,12 +1,12 @@
 //! What the program says about bad folders of masks and images.
 //! Good ones are read alike in every layout.
 
-use sinew::RecordingError;
 use sinew::formats::{mask, picture};
 use sinew::input::pictures::Pictures;
 use sinew::input::silhouettes::{ImageFolderOptions, Silhouettes};
-use sinew::observe::bit_image::BitImage;
+use sinew::observe::silhouettes::bit_image::BitImage;
 use sinew::observe::{Camera, RgbImage};
+use sinew_input::Error as InputError;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -64,7 +64,7 @@ impl Trial {
         self.root().join(format!("cam{camera:02}_{frame:03}.png"))
     }
 
-    fn all(&self, options: &ImageFolderOptions) -> Result<(Frames, Silhouettes), RecordingError> {
+    fn all(&self, options: &ImageFolderOptions) -> Result<(Frames, Silhouettes), InputError> {
         let mut silhouettes = Silhouettes::open(&self.root(), &cameras(), options)?;
         let frames = silhouettes.frames().map(|number| silhouettes.frame(number)).collect::<Result<_, _>>()?;
         Ok((frames, silhouettes))
@@ -84,7 +84,7 @@ impl Trial {
     }
 }
 
-fn printed(error: &RecordingError) -> String {
+fn printed(error: &InputError) -> String {
     format!("exit {}: {error}\nhelp: {}", error.exit_code(), error.help().unwrap_or_default())
 }
 

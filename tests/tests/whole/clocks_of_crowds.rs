@@ -5,8 +5,8 @@ use sinew::formats::openpose::Keypoint;
 use sinew::input::roll::Roll;
 use sinew::input::source::FrameSource;
 use sinew::observe::association::{Config, Person};
-use sinew::observe::camera_lag::{LagSearch, camera_clocks};
-use sinew::observe::offsets::{self, Sighted};
+use sinew::observe::cameras::offsets::{self, Sighted};
+use sinew::observe::clocks::camera_lag::{LagSearch, camera_clocks};
 use sinew::observe::{Camera, Detection};
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::crowd::{Crowd, CrowdNoise, CrowdRecording, FoundPeople};
@@ -26,7 +26,7 @@ impl FrameSource for InMemory {
     fn frames(&self) -> Range<u64> {
         0..self.0.keypoints[0].len() as u64
     }
-    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, sinew::RecordingError> {
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, sinew_input::Error> {
         let detection = |k: Keypoint| Detection::new([k.x, k.y], k.confidence);
         let person = |found: &Vec<Option<Keypoint>>| found.iter().map(|k| k.map(detection)).collect();
         let view = |camera: &Vec<FoundPeople>| camera[number as usize].iter().map(person).collect();
@@ -49,7 +49,7 @@ fn no_camera_in_step_is_said_to_be_late() {
     };
     let mut source = InMemory(CrowdRecording::new(&crowd, 3).unwrap());
     let (frames, cameras) = (source.frames(), source.0.cameras.clone());
-    let never = |_| Ok::<(), sinew::RecordingError>(());
+    let never = |_| Ok::<(), sinew_input::Error>(());
     let roll = Roll::call(&mut source, frames.clone(), crowd.rate_hz, &Config::default(), never).unwrap();
     assert_eq!(roll.people.len(), crowd.people);
     let search = LagSearch { fps: crowd.rate_hz, offsets: offsets::Config::default(), drifts: false };

@@ -1,15 +1,15 @@
 //! Masks and pictures of every sequence that experiments use.
 //! The person is in all views, and the same seed gives the same pixels.
 
-use sinew_motion::points::{Trajectories, points_of_states};
+use sinew_body::points::{Trajectories, points_of_states};
+use sinew_motion::convert;
 use sinew_motion::recorded::from_points;
-use sinew_simulate::combo::{Sequence, TURN_RADIUS_M, comfortable_radius_m, synthetic_combo};
+use sinew_tests::combo::{Sequence, TURN_RADIUS_M, comfortable_radius_m, synthetic_combo};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::Level;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
 use sinew_tests::recorded_motion::{recorded, recorded_combo};
-use sinew_tools::motion;
 
 const RATE_HZ: f64 = 30.0;
 
@@ -79,7 +79,7 @@ fn recorded_people_are_in_all_views() {
 fn a_skeleton_of_others_has_the_same_legs() {
     let Some(folder) = sinew_tests::data::shared("cmu_amc") else { return };
     let bvh = folder.with_file_name("cmu_bvh").join("01_01.bvh");
-    let bvh = motion::read(&bvh, None, None).unwrap();
+    let bvh = convert::read(&bvh, None, None).unwrap();
     let (bvh, unit) = from_points(&bvh.points().unwrap(), bvh.rate_hz, false, 120.0).unwrap();
     assert_eq!(unit, Some("CMU's unit"));
     let amc = recorded(&folder.join("01_01.amc"), &folder.join("01.asf"), 120.0).unwrap();

@@ -4,11 +4,11 @@
 
 use sinew::config::settings::Settings;
 use sinew::methods::{BootstrapMethod, HmcMethod};
-use sinew::results::estimate::FrameEstimate;
 use sinew::setup::Setup;
 use sinew::track::{self, Pipeline, Spool};
 use sinew::tracking::posterior::Posterior;
 use sinew::tracking::{bootstrap, hmc_filter};
+use sinew_results::estimate::FrameEstimate;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::evaluation;
 use sinew_tests::simulated_source::source;

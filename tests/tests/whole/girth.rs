@@ -4,10 +4,12 @@ use sinew::body::{KinematicTree, hppf24};
 use sinew::core::lanes::{Block, Isa, LANES};
 use sinew::core::random::Stage;
 use sinew::observe::Camera;
-use sinew::observe::girth::{Girth, Sight, before_cameras, fit_girth, intersection_over_union, mask_overlap};
-use sinew::observe::girth_with_pose::{fit_girth_and_poses, fit_poses};
+use sinew::observe::silhouettes::girth::{
+    Girth, Sight, before_cameras, fit_girth, intersection_over_union, mask_overlap,
+};
+use sinew::observe::silhouettes::girth_with_pose::{fit_girth_and_poses, fit_poses};
+use sinew_body::points::points_of_states;
 use sinew_motion::damped_fit::{MotionFollowing, states};
-use sinew_motion::points::points_of_states;
 use sinew_simulate::ring::{Ring, around};
 use sinew_simulate::segmentation_noise::{Level, segmented};
 use sinew_simulate::walker::{Gait, Walker, walker_states};

@@ -18,7 +18,7 @@ use sinew::observe::{
     Camera, Detection, KeypointFrame, KeypointModel, MarkerLikelihood, MarkerModel, Mistakes, Noise, ObservationModel,
     View,
 };
-use sinew::samplers::chains::{Schedule, draw};
+use sinew::samplers::chains::{Schedule, draw_trajectories};
 use sinew::samplers::hmc::Hmc;
 use sinew::samplers::integrator::{End, PhasePoint};
 use sinew::samplers::laplace::laplace;
@@ -98,7 +98,9 @@ fn bulk28(problem: &problem28::Problem, blocks: usize) -> Vec<Block> {
     let starts: Vec<Block> = (0..blocks).flat_map(|_| problem.true_pose.iter().map(|&x| Block::splat(x))).collect();
     let schedule = Schedule { updates: 40, burn_in: 40 };
     let stage = Stage::new(1, "bulk");
-    draw(&problem.target(Isa::best()), &hmc, &starts, blocks * LANES, schedule, &stage).expect("finite start").last
+    draw_trajectories(&problem.target(Isa::best()), &hmc, &starts, blocks * LANES, schedule, &stage)
+        .expect("finite start")
+        .last
 }
 
 /// H1, on CF28 and on the benchmark.
@@ -253,7 +255,8 @@ fn acceptance_tends_to_one_and_the_harmonic_target_is_stable_below_two() {
     for eta in [1.5, 0.5, 0.1, 0.01] {
         let hmc = Hmc::new(eta, &curvature, 7, 0.0, isa).expect("valid");
         let schedule = Schedule { updates: 200, burn_in: 0 };
-        let acceptance = draw(&target, &hmc, &starts, 8, schedule, &Stage::new(6, "H4")).expect("finite").acceptance;
+        let acceptance =
+            draw_trajectories(&target, &hmc, &starts, 8, schedule, &Stage::new(6, "H4")).expect("finite").acceptance;
         assert!(acceptance > last, "{acceptance} at {eta}");
         last = acceptance;
     }
@@ -350,7 +353,8 @@ fn moments_of_long_run(leaf: &Gaussian, covariance: &[f64], hmc: &Hmc) {
     let mut rng = Stage::new(9, "H9 start").whole();
     starts.chunks_exact_mut(d).for_each(|block| leaf.sample_block(isa, block, &mut rng));
     let schedule = Schedule { updates: 4000, burn_in: 0 };
-    let draws = draw(&Lanes { leaf, isa }, hmc, &starts, 16, schedule, &Stage::new(9, "H9")).expect("finite start");
+    let draws = draw_trajectories(&Lanes { leaf, isa }, hmc, &starts, 16, schedule, &Stage::new(9, "H9"))
+        .expect("finite start");
     assert!(draws.acceptance > 0.6 && draws.divergences == 0, "acceptance {}", draws.acceptance);
     let series: Vec<Vec<Vec<f64>>> = (0..d).map(|j| draws.series(j)).collect();
     let check = |name: String, values: Vec<Vec<f64>>, exact: f64| {
@@ -409,7 +413,8 @@ fn long_run_means(problem: &problem28::Problem, hmc: &Hmc) {
     let schedule = Schedule { updates: 1500, burn_in: 100 };
     let starts = bulk28(problem, 2);
     let target = problem.target(Isa::best());
-    let draws = draw(&target, hmc, &starts, 16, schedule, &Stage::new(28, "long run")).expect("finite start");
+    let draws =
+        draw_trajectories(&target, hmc, &starts, 16, schedule, &Stage::new(28, "long run")).expect("finite start");
     for j in 0..28 {
         let series = draws.series(j);
         let n = draws.stats.len() as f64;

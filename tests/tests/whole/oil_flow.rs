@@ -6,7 +6,7 @@ use sinew::latent::training::{Config, Training, objective};
 use sinew_tests::data;
 use sinew_tests::oil_flow::OilFlow;
 
-/// `xtask/peers/gpy_latent.py oil` (GPy 1.13.2): log likelihood at latents (sin 0.7 n, cos 1.3 n) and the parameters below.
+/// `crates/sinew-studies/peers/gpy_latent.py oil` (GPy 1.13.2): log likelihood at latents (sin 0.7 n, cos 1.3 n) and the parameters below.
 const AT_STORED_PARAMETERS: [(usize, f64); 2] = [(100, -8_184.125_283_421_72), (400, -35_474.281_121_024_2)];
 
 #[test]

@@ -27,12 +27,7 @@ fn body(tree: &strategies::Tree) -> KinematicTree {
         tree.parents.iter().zip(&tree.offsets).zip(&tree.axes).enumerate().map(|(i, ((parent, offset), axes))| {
             let moves = if i == 0 { vec![Joint::Translate(Axis::X), Joint::Translate(Axis::Z)] } else { vec![] };
             let turns = axes.iter().map(|&axis| Joint::Rotate(nearest(axis)));
-            Link {
-                name: format!("link {i}"),
-                parent: *parent,
-                offset: *offset,
-                joints: moves.into_iter().chain(turns).collect(),
-            }
+            Link::new(format!("link {i}"), *parent, *offset, moves.into_iter().chain(turns).collect())
         });
     let points =
         (0..tree.parents.len()).map(|link| Point { name: format!("point {link}"), link, offset: [0.1, -0.05, 0.2] });

@@ -100,7 +100,7 @@ fn hmc_predicts_a_camera_left_out_better_than_triangulation() {
     assert!(smooth[0] <= 14.5, "{errors:?}");
 }
 
-/// Opposite and neighbouring cameras; all six pairs are measured by `cargo xtask accuracy`.
+/// Opposite and neighbouring cameras; all six pairs are measured by `cargo xtask study accuracy`.
 #[test]
 fn two_cameras_leave_hmc_far_fewer_gross_errors_than_triangulation() {
     let Some(data) = data() else { return };

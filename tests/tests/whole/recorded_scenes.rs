@@ -1,7 +1,7 @@
 //! Simulated recordings of recorded motion: whoever moves stays in view of all cameras.
 
 use sinew::observe::Camera;
-use sinew_motion::points::Trajectories;
+use sinew_body::points::Trajectories;
 use sinew_motion::retarget::retarget;
 use sinew_simulate::detector::pixel;
 use sinew_simulate::recording::{Script, SyntheticRecording};

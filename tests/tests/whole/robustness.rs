@@ -6,7 +6,7 @@ use sinew::core::random::Stage;
 use sinew::core::toy::Quadratic;
 use sinew::dynamics::linear_gaussian::LinearGaussian;
 use sinew::samplers::Error;
-use sinew::samplers::chains::{Schedule, draw};
+use sinew::samplers::chains::{Schedule, draw_trajectories};
 use sinew::samplers::hmc::{Chains, Hmc, Workspace, update};
 use sinew::samplers::metric::Metric;
 use sinew::samplers::tuning::{self, StepSizeTrial};
@@ -57,7 +57,7 @@ fn extreme_step_sizes_have_a_defined_end() {
     let schedule = Schedule { updates: 50, burn_in: 0 };
     let run = |eta: f64| {
         let hmc = Hmc::new(eta, &[1.0; 2], 5, 0.2, Isa::best())?;
-        draw(&target, &hmc, &starts, LANES, schedule, &Stage::new(1, "extreme"))
+        draw_trajectories(&target, &hmc, &starts, LANES, schedule, &Stage::new(1, "extreme"))
     };
     for eta in [1e10, 1e150, f64::MAX] {
         let wild = run(eta).expect("defined");

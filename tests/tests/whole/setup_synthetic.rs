@@ -229,7 +229,7 @@ fn units_axes_and_inverted_cameras_are_diagnosed() {
 #[test]
 fn someone_who_leaves_is_found_again_and_sixteen_cameras_do_not_hang() {
     use sinew::observe::association::Config;
-    use sinew::observe::following::{Following, follow};
+    use sinew::observe::association::following::{Following, follow};
     let (cameras, layout) = (ring(16), body_25b());
     let mut seed = 3;
     let mut following = Following::default();

@@ -7,8 +7,8 @@ use sinew::core::lanes::{Block, Isa, LANES};
 use sinew::core::random::Stage;
 use sinew::dynamics::gaussian::Gaussian;
 use sinew::observe::Camera;
-use sinew::observe::triangulate::{Config, Seen, linear, refined, triangulate};
-use sinew::samplers::chains::{Schedule, draw};
+use sinew::observe::cameras::triangulate::{Config, Seen, linear, refined, triangulate};
+use sinew::samplers::chains::{Schedule, draw_trajectories};
 use sinew::samplers::hmc::Hmc;
 use sinew_tests::camera_point::{CameraPoint, Sight, View};
 
@@ -122,7 +122,8 @@ fn the_posterior_of_a_point_moves_with_the_world() {
     let start = motion.of(three(&point.mode));
     let starts: Vec<Block> = (0..2).flat_map(|_| start.map(Block::splat)).collect();
     let schedule = Schedule { updates: 1000, burn_in: 50 };
-    let draws = draw(&target, &hmc, &starts, 2 * LANES, schedule, &Stage::new(4, "moved world")).expect("finite");
+    let draws =
+        draw_trajectories(&target, &hmc, &starts, 2 * LANES, schedule, &Stage::new(4, "moved world")).expect("finite");
     let exact = motion.of(three(&point.moments.mean));
     for (j, exact) in exact.into_iter().enumerate() {
         let series = draws.series(j);

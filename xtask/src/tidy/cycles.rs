@@ -1,9 +1,9 @@
 //! No cycle of modules in any crate: arrows between files, from who names an item to who defines it.
 //!
 //! A `mod` line alone is no arrow. A parent that uses or re-exports its child points at the child; a child that uses what its parent file defines points at the parent.
-//! A path through re-exports points at the file where the item lives, not at the files between.
+//! A path through re-exports points at the file where the item lives; where another room re-exports it, at the room too. The root and the modules around may be passed through.
 
-use super::modules::{Found, Kind, Mention, Module, Tree, read_crate, resolve};
+use super::modules::{Found, Mention, Module, Tree, read_crate, resolve};
 use super::workspace::{File, Violation, Workspace};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -13,13 +13,12 @@ type Arrows = BTreeMap<usize, BTreeMap<usize, BTreeSet<String>>>;
 /// Names of an arrow that a message lists.
 const LISTED_NAMES: usize = 3;
 
-/// Checks every crate of the workspace; a violation is known by the folder of its crate.
+/// Checks every crate of the workspace.
 pub fn check(workspace: &Workspace) -> Vec<Violation> {
     let files: BTreeMap<&str, &File> = workspace.files.iter().map(|file| (file.path.as_str(), file)).collect();
     let mut violations = Vec::new();
     for root in files.keys().filter(|path| is_root(path)) {
-        let folder = root.split_once("/src/").map_or(*root, |(folder, _)| folder);
-        violations.extend(cycles(&read_crate(&files, root)).into_iter().map(|cycle| cycle.known_as(folder)));
+        violations.extend(cycles(&read_crate(&files, root)));
     }
     violations
 }
@@ -67,24 +66,33 @@ fn arrows(tree: &Tree) -> Arrows {
                 arrows.entry(module.file).or_default().entry(to).or_default().insert(name.to_owned());
             }
         };
-        for mention in &module.mentions {
+        // A word alone may be a variable: it counts for what imports of all names bring.
+        let counts = |mention: &&Mention| match &mention.path[..] {
+            [word] if !mention.is_import => !module.globs.is_empty() && !module.names.contains_key(word),
+            _ => true,
+        };
+        for mention in module.mentions.iter().filter(counts) {
             match resolve(tree, number, &mention.path) {
-                Some(Found::Item(at, name)) => tie(at, &name),
+                Some(Found::Item(at, name)) => {
+                    tie(at, &name);
+                    room(tree, number, &mention.path).into_iter().for_each(|room| tie(room, &name));
+                }
                 Some(Found::Module(at)) if !is_taken_further(tree, number, mention, at) => {
                     tie(at, mention.path.last().map_or("", String::as_str));
                 }
                 _ => {}
             }
         }
-        if !module.globs.is_empty() {
-            for word in module.words.keys().filter(|word| !module.names.contains_key(*word)) {
-                if let Some(Found::Item(at, name)) = resolve(tree, number, std::slice::from_ref(word)) {
-                    tie(at, &name);
-                }
-            }
-        }
     }
     arrows
+}
+
+/// The module that a path names before its last segment, where it is another room: not the root, nor around the module that names it.
+fn room(tree: &Tree, module: usize, path: &[String]) -> Option<usize> {
+    let (_, before) = path.split_last().filter(|(_, before)| !before.is_empty())?;
+    let Some(Found::Module(room)) = resolve(tree, module, before) else { return None };
+    let around = std::iter::successors(Some(module), |&inner| tree.modules[inner].parent);
+    (room != 0 && around.into_iter().all(|module| module != room)).then_some(room)
 }
 
 /// Whether a private import of a module is only the beginning of other paths, which count for themselves.
@@ -95,7 +103,7 @@ fn is_taken_further(tree: &Tree, module: usize, mention: &Mention, imported: usi
         !first.is_empty() && resolve(tree, module, &first) == Some(Found::Module(imported))
     };
     let is_glob = tree.modules[module].globs.contains(&mention.path);
-    mention.kind == Kind::Import
+    mention.is_import
         && (is_glob || tree.modules.iter().filter(is_same_file).any(|other| other.mentions.iter().any(goes_through)))
 }
 
@@ -205,16 +213,32 @@ mod tests {
 
     #[test]
     fn imported_modules_count_for_what_is_used_of_them() {
-        let texts = |x: &'static str| {
+        let texts = |b: &'static str| {
             [
                 ("lib.rs", "mod a; mod b;"),
-                ("a.rs", "mod x; pub use x::f; pub use crate::b::g;"),
-                ("a/x.rs", x),
-                ("b.rs", "use crate::a; pub fn g() { a::f() }"),
+                ("a.rs", "mod x; pub mod y; pub use crate::b::g;"),
+                ("a/x.rs", ""),
+                ("a/y.rs", "pub fn f() {}"),
+                ("b.rs", b),
             ]
         };
-        assert_eq!(messages(&texts("pub fn f() {}")), [""; 0]);
-        assert_eq!(messages(&texts("pub fn f() { crate::a::g() }")).len(), 1);
+        assert_eq!(messages(&texts("use crate::a::y; pub fn g() { y::f() }")), [""; 0]);
+        assert_eq!(messages(&texts("use crate::a; pub fn g() { a::g() }")).len(), 1);
+    }
+
+    #[test]
+    fn what_another_room_re_exports_ties_to_the_room_too() {
+        let texts = |error: &'static str| {
+            [
+                ("lib.rs", "mod a; mod error; pub use error::Error;"),
+                ("a.rs", "pub mod error; use crate::Error; pub use error::AError; pub fn f() -> Error {}"),
+                ("a/error.rs", "pub struct AError;"),
+                ("error.rs", error),
+            ]
+        };
+        assert_eq!(messages(&texts("use crate::a::error::AError; pub struct Error(AError);")), [""; 0]);
+        let found = messages(&texts("use crate::a::AError; pub struct Error(AError);"));
+        assert_eq!(found, ["cycle of modules: a.rs → (Error) error.rs → (AError) a.rs"]);
     }
 
     #[test]

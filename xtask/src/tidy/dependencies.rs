@@ -1,64 +1,51 @@
-//! How many packages the library builds, counted from `cargo metadata`.
+//! Every dependency of ours has a row in docs/reference/dependencies.md, and every row a dependency.
 
-use super::workspace::Violation;
-use serde_json::Value;
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
-use std::process::Command;
+use super::workspace::{File, Violation, Workspace};
+use std::collections::BTreeMap;
 
-/// Fewer packages than this.
-const LIMIT: usize = 150;
+/// The page with the rows.
+const PAGE: &str = "docs/reference/dependencies.md";
 
-/// Complains where there are too many.
-pub fn check(packages: usize) -> Vec<Violation> {
-    if packages < LIMIT {
-        return Vec::new();
+/// Tables of a manifest that name dependencies.
+const TABLES: [&str; 3] = ["dependencies", "dev-dependencies", "build-dependencies"];
+
+/// Checks all manifests against the page.
+pub fn check(workspace: &Workspace) -> Vec<Violation> {
+    let Some(page) = workspace.files.iter().find(|file| file.path == PAGE) else { return Vec::new() };
+    let rows = rows(&page.text);
+    let mut used: BTreeMap<String, &str> = BTreeMap::new();
+    for manifest in workspace.files.iter().filter(|file| file.path.ends_with("/Cargo.toml")) {
+        used.extend(foreign(manifest).into_iter().map(|name| (name, manifest.path.as_str())));
     }
-    let what = format!(
-        "the library builds {packages} packages; keep it under {LIMIT}, or say why in docs/reference/dependencies.md"
-    );
-    vec![Violation::in_file("Cargo.lock", what)]
+    let lacks = |(name, manifest): (&String, &&str)| {
+        Violation::in_file(manifest, format!("`{name}` has no row in {PAGE}: what for, why not our own"))
+    };
+    let mut found: Vec<Violation> = used.iter().filter(|(name, _)| !rows.contains_key(*name)).map(lacks).collect();
+    let stale = rows.iter().filter(|(name, _)| !used.contains_key(*name));
+    found.extend(stale.map(|(name, line)| Violation::at(PAGE, *line, format!("no manifest names `{name}`"))));
+    found
 }
 
-/// Packages that the library builds on this platform, itself included.
-pub fn library_packages(root: &Path) -> Result<BTreeSet<String>, String> {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let host = host(&cargo)?;
-    let arguments = ["metadata", "--format-version", "1", "--locked", "--filter-platform", &host];
-    let output = Command::new(&cargo).args(arguments).current_dir(root).output();
-    let output = output.map_err(|error| format!("cargo metadata does not run: {error}"))?;
-    if !output.status.success() {
-        return Err(format!("cargo metadata fails: {}", String::from_utf8_lossy(&output.stderr).trim()));
-    }
-    let metadata: Value = serde_json::from_slice(&output.stdout).map_err(|error| error.to_string())?;
-    closure(&metadata, "sinew").ok_or_else(|| "cargo metadata does not list the library".into())
-}
-
-fn host(cargo: &std::ffi::OsStr) -> Result<String, String> {
-    let output = Command::new(cargo).args(["-vV"]).output().map_err(|error| format!("cargo does not run: {error}"))?;
-    let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    let host = text.lines().find_map(|line| line.strip_prefix("host: "));
-    host.map(str::to_owned).ok_or_else(|| "cargo does not name its host".into())
-}
-
-/// Ids of the packages that the package of that name needs to be built and run (no dev-dependencies).
-fn closure(metadata: &Value, name: &str) -> Option<BTreeSet<String>> {
-    let packages = metadata.get("packages")?.as_array()?;
-    let root = packages.iter().find(|package| package["name"] == name)?["id"].as_str()?;
-    let nodes = metadata.get("resolve")?.get("nodes")?.as_array()?;
-    let nodes: BTreeMap<&str, &Value> = nodes.iter().filter_map(|node| Some((node["id"].as_str()?, node))).collect();
-    let mut found = BTreeSet::new();
-    let mut open = vec![root];
-    while let Some(id) = open.pop() {
-        if !found.insert(id.to_owned()) {
-            continue;
-        }
-        for dependency in nodes.get(id)?["deps"].as_array()? {
-            let needed = dependency["dep_kinds"].as_array()?.iter().any(|kind| kind["kind"] != "dev");
-            open.extend(dependency["pkg"].as_str().filter(|_| needed));
+/// Names in the first cells of tables, with their lines; heads and rules of tables are none.
+fn rows(page: &str) -> BTreeMap<String, usize> {
+    let mut rows = BTreeMap::new();
+    for (line, text) in (1..).zip(page.lines()) {
+        let first = text.strip_prefix("| ").and_then(|row| row.split(" |").next()).unwrap_or_default();
+        for name in first.split(", ").filter(|name| !name.is_empty() && *name != "package") {
+            rows.insert(name.to_owned(), line);
         }
     }
-    Some(found)
+    rows
+}
+
+/// What a manifest depends on that is not ours; what is none is said by the rule on layers.
+fn foreign(manifest: &File) -> Vec<String> {
+    let table: toml::Table = manifest.text.parse().unwrap_or_default();
+    let by_platform = table.get("target").and_then(toml::Value::as_table).into_iter().flatten();
+    let tables = by_platform.filter_map(|(_, table)| table.as_table()).chain([&table]);
+    let tables = tables.flat_map(|table| TABLES.iter().filter_map(|key| table.get(*key)?.as_table()));
+    let names = tables.flat_map(|table| table.keys());
+    names.filter(|name| *name != "sinew" && !name.starts_with("sinew-")).cloned().collect()
 }
 
 #[cfg(test)]
@@ -66,25 +53,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn too_many_packages_are_caught() {
-        assert_eq!(check(LIMIT - 1), []);
-        assert_eq!(check(LIMIT).len(), 1);
-    }
-
-    #[test]
-    fn dev_dependencies_do_not_count() {
-        let dependency = |id: &str, kind: Value| serde_json::json!({"pkg": id, "dep_kinds": [{"kind": kind}]});
-        let metadata = serde_json::json!({
-            "packages": [{"name": "sinew", "id": "a"}, {"name": "x", "id": "b"}],
-            "resolve": {"nodes": [
-                {"id": "a", "deps": [dependency("b", Value::Null), dependency("d", "dev".into())]},
-                {"id": "b", "deps": [dependency("c", "build".into())]},
-                {"id": "c", "deps": []},
-                {"id": "d", "deps": []},
-            ]},
-        });
-        let found = closure(&metadata, "sinew").unwrap();
-        assert_eq!(found.into_iter().collect::<Vec<_>>(), ["a", "b", "c"]);
-        assert!(closure(&metadata, "nothing").is_none());
+    fn dependencies_and_rows_belong_together() {
+        let manifest =
+            "[dependencies]\nrand.workspace = true\nsinew-core.workspace = true\n[dev-dependencies]\nproptest = \"1\"";
+        let found = |page: &str| -> Vec<String> {
+            let files = vec![File::new("crates/a/Cargo.toml", manifest), File::new(PAGE, page)];
+            check(&Workspace { files, ..Workspace::default() }).into_iter().map(|violation| violation.what).collect()
+        };
+        let head = "| package | what for |\n|---|---|\n";
+        assert_eq!(found(&format!("{head}| rand | a |\n| proptest | b |")), [""; 0]);
+        assert_eq!(found(&format!("{head}| proptest, rand | a |")), [""; 0]);
+        assert_eq!(found(&format!("{head}| rand | a |")).len(), 1);
+        assert_eq!(found(&format!("{head}| proptest, rand, tar | a |")), ["no manifest names `tar`"]);
     }
 }

@@ -1,89 +1,47 @@
 //! Arrows between crates point down: what each crate's manifest and product code may name.
 
 use super::workspace::{File, Violation, Workspace};
-use crate::source::lines_with;
+use crate::source::{Token, lines_with};
 use std::collections::BTreeSet;
 
-/// What each crate may depend on, of ours.
-const ALLOWED: [(&str, &[&str]); 21] = [
-    ("sinew-core", &[]),
-    ("sinew-body", &["sinew-core"]),
-    ("sinew-observe", &["sinew-body", "sinew-core"]),
-    ("sinew-dynamics", &["sinew-core"]),
-    ("sinew-latent", &["sinew-dynamics", "sinew-core"]),
-    ("sinew-samplers", &["sinew-core"]),
-    ("sinew-tracking", &["sinew-samplers", "sinew-core"]),
-    ("sinew-formats", &["sinew-body", "sinew-observe"]),
-    ("sinew-invariance", &["sinew-core"]),
-    ("sinew-motion", &["sinew-core", "sinew-body", "sinew-formats"]),
-    ("sinew-simulate", &["sinew-core", "sinew-body", "sinew-observe", "sinew-formats", "sinew-motion"]),
-    ("sinew-angles", &["sinew-core", "sinew-body", "sinew-dynamics", "sinew-tracking"]),
-    ("sinew-recording", &["sinew-core", "sinew-body", "sinew-observe", "sinew-formats", "sinew-dynamics"]),
-    ("sinew", &LIBRARIES),
-    (
-        "sinew-tools",
-        &[
-            "sinew",
-            "sinew-motion",
-            "sinew-core",
-            "sinew-body",
-            "sinew-observe",
-            "sinew-dynamics",
-            "sinew-formats",
-            "sinew-latent",
-        ],
-    ),
-    ("sinew-runs", &["sinew", "sinew-tools"]),
-    ("sinew-laboratory", &["sinew", "sinew-tools", "sinew-motion", "sinew-core", "sinew-body", "sinew-formats"]),
-    ("sinew-cli", &BELOW_THE_PROGRAM),
-    ("sinew-python", &BELOW_PYTHON),
-    ("xtask", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-tests"]),
-    ("sinew-tests", &["sinew", "sinew-tools", "sinew-motion", "sinew-simulate", "sinew-invariance", "sinew-latent"]),
+/// What each crate may depend on, of ours, from the lowest up; `*` is all above its row.
+const LAYERS: [(&str, &str); 26] = [
+    ("core", ""),
+    ("body", "core"),
+    ("observe", "body core"),
+    ("dynamics", "core"),
+    ("latent", "dynamics core"),
+    ("samplers", "core"),
+    ("tracking", "samplers core"),
+    ("formats", "core body observe"),
+    ("simulate", "core body observe formats"),
+    ("angles", "core body dynamics tracking"),
+    ("input", "core body observe formats dynamics"),
+    ("setup", "input core body observe formats dynamics"),
+    ("results", "setup input core body observe formats dynamics angles"),
+    ("motion", "results setup input core body observe formats dynamics latent"),
+    ("sinew", "results setup input core body observe formats dynamics latent samplers tracking angles"),
+    ("analysis", "sinew motion results setup input core body observe formats dynamics"),
+    ("report", "analysis sinew motion results setup input core body observe formats dynamics latent"),
+    ("batch", "report sinew results setup input formats"),
+    ("cli", "*"),
+    ("python", "*"),
+    ("invariance", "core"),
+    ("tests", "*"),
+    ("studies", "*"),
+    ("peers", "*"),
+    ("fuzz", "*"),
+    ("xtask", ""),
 ];
-
-/// What the library that people use is made of.
-const LIBRARIES: [&str; 10] = [
-    "sinew-angles",
-    "sinew-latent",
-    "sinew-recording",
-    "sinew-core",
-    "sinew-body",
-    "sinew-observe",
-    "sinew-dynamics",
-    "sinew-samplers",
-    "sinew-tracking",
-    "sinew-formats",
-];
-
-/// What the program may know.
-const BELOW_THE_PROGRAM: [&str; 14] = [
-    "sinew",
-    "sinew-laboratory",
-    "sinew-runs",
-    "sinew-tools",
-    "sinew-motion",
-    "sinew-simulate",
-    "sinew-core",
-    "sinew-body",
-    "sinew-observe",
-    "sinew-dynamics",
-    "sinew-samplers",
-    "sinew-tracking",
-    "sinew-formats",
-    "sinew-latent",
-];
-
-/// What the Python package may know.
-const BELOW_PYTHON: [&str; 4] = ["sinew", "sinew-runs", "sinew-tools", "sinew-simulate"];
 
 /// What only a program needs: arguments, manuals, progress bars and interrupts.
 const TERMINAL: [&str; 5] = ["clap", "clap_complete", "clap_mangen", "ctrlc", "indicatif"];
 
 /// The programs: what people run, and our chores.
-const PROGRAMS: [&str; 2] = ["sinew-cli", "xtask"];
+const PROGRAMS: [&str; 3] = ["sinew-cli", "sinew-studies", "xtask"];
 
-/// Modules of core that bodies may use: lanes and what runs on them, no probability and no randomness.
-const CORE_FOR_BODY: [&str; 3] = ["lanes", "elementary", "kernel"];
+/// Modules of core that bodies may use: lanes and what runs on them, medians; no probability and no randomness.
+const CORE_FOR_BODY: [&str; 4] = ["lanes", "elementary", "estimators", "kernel"];
 
 /// Checks manifests and imports.
 pub fn check(workspace: &Workspace) -> Vec<Violation> {
@@ -99,8 +57,15 @@ pub fn check(workspace: &Workspace) -> Vec<Violation> {
     violations
 }
 
-fn allowed(name: &str) -> Option<&'static [&'static str]> {
-    ALLOWED.iter().find(|(other, _)| *other == name).map(|(_, allowed)| *allowed)
+/// What a package may depend on, of ours; none where it has no row.
+fn allowed(package: &str) -> Option<Vec<String>> {
+    let full = |row: &str| if matches!(row, "sinew" | "xtask") { row.to_owned() } else { format!("sinew-{row}") };
+    let at = LAYERS.iter().position(|(row, _)| full(row) == package)?;
+    let below = match LAYERS[at].1 {
+        "*" => LAYERS[..at].iter().map(|(row, _)| full(row)).collect(),
+        rows => rows.split_whitespace().map(full).collect(),
+    };
+    Some(below)
 }
 
 fn check_manifest(file: &File, violations: &mut Vec<Violation>) {
@@ -113,12 +78,8 @@ fn check_manifest(file: &File, violations: &mut Vec<Violation>) {
     else {
         return;
     };
-    let folders = ["crates/", "xtask/", "tests/"];
-    // A package with a workspace table of its own is none of ours.
-    let outside = manifest.contains_key("workspace");
-    let member = !outside && folders.iter().any(|folder| file.path.starts_with(folder));
     let inherits = manifest.get("lints").and_then(|lints| lints.get("workspace")).and_then(toml::Value::as_bool);
-    if member && inherits != Some(true) {
+    if inherits != Some(true) {
         complain("does not inherit the workspace's lints".into());
     }
     let names = |key: &str| -> BTreeSet<String> {
@@ -126,13 +87,10 @@ fn check_manifest(file: &File, violations: &mut Vec<Violation>) {
         table.map(|table| table.keys().cloned().collect()).unwrap_or_default()
     };
     let Some(allowed) = allowed(name) else {
-        if file.path.starts_with("crates/") {
-            complain(format!("`{name}` has no place among the layers; give it one in xtask/src/tidy/layers.rs"));
-        }
-        return;
+        return complain(format!("`{name}` has no place among the layers; give it one in xtask/src/tidy/layers.rs"));
     };
     for dependency in names("dependencies").iter().chain(&names("build-dependencies")) {
-        if (dependency == "sinew" || dependency.starts_with("sinew-")) && !allowed.contains(&dependency.as_str()) {
+        if (dependency == "sinew" || dependency.starts_with("sinew-")) && !allowed.contains(dependency) {
             complain(format!("`{name}` must not depend on `{dependency}`"));
         }
         if name == "sinew-body" && dependency.starts_with("rand") {
@@ -164,27 +122,18 @@ fn check_use(manifest: &File, workspace: &Workspace, violations: &mut Vec<Violat
 fn check_imports(file: &File, violations: &mut Vec<Violation>) {
     let Some(name) = file.library() else { return };
     let Some(allowed) = allowed(name) else { return };
-    for (line, text) in (1..).zip(file.product.lines()) {
-        for (at, _) in text.match_indices("sinew") {
-            if text[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_') {
-                continue;
-            }
-            let word: String = text[at..].chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-            let is_import = text[at + word.len()..].starts_with("::") || text[..at].ends_with("use ");
-            if !is_import || !(word == "sinew" || word.starts_with("sinew_")) {
-                continue;
-            }
-            let import = word.replace('_', "-");
-            if import != name && !allowed.contains(&import.as_str()) {
-                violations.push(Violation::at(&file.path, line, format!("`{name}` must not know `{word}`")));
-            }
-            let core_path = text[at + word.len()..].strip_prefix("::").filter(|_| word == "sinew_core");
-            if name == "sinew-body"
-                && let Some(path) = core_path
-                && !CORE_FOR_BODY.iter().any(|module| path.starts_with(module))
-            {
-                violations.push(Violation::at(&file.path, line, "bodies know only the lanes of core"));
-            }
+    let text = |at: usize| file.product.get(at).map_or("", |token| token.text.as_str());
+    for (at, Token { text: word, line }) in file.product.iter().enumerate() {
+        let is_import = text(at + 1) == "::" || at > 0 && text(at - 1) == "use";
+        if !is_import || !(word == "sinew" || word.starts_with("sinew_")) {
+            continue;
+        }
+        let import = word.replace('_', "-");
+        if import != name && !allowed.contains(&import) {
+            violations.push(Violation::at(&file.path, *line, format!("`{name}` must not know `{word}`")));
+        }
+        if name == "sinew-body" && word == "sinew_core" && !CORE_FOR_BODY.contains(&text(at + 2)) {
+            violations.push(Violation::at(&file.path, *line, "bodies know only the lanes of core"));
         }
     }
 }
@@ -201,8 +150,7 @@ mod tests {
     /// What is wrong with a manifest whose dependency is used.
     fn complaints(path: &str, text: &str, used: &str) -> Vec<Violation> {
         let source = format!("{}src/main.rs", path.trim_end_matches("Cargo.toml"));
-        // As in a product that names the dependency, but outside what the rule on imports looks at.
-        let source = File { product: used.into(), ..File::new(&source, "") };
+        let source = File::new(&source, used);
         let manifest = File::new(path, text);
         let mut violations = Vec::new();
         check_manifest(&manifest, &mut violations);
@@ -220,7 +168,7 @@ mod tests {
             ("sinew-samplers", "sinew-tracking", "sinew-core"),
             ("sinew-tracking", "sinew-body", "sinew-samplers"),
             ("sinew-formats", "sinew-core", "sinew-body"),
-            ("sinew-motion", "sinew-simulate", "sinew-formats"),
+            ("sinew-motion", "sinew", "sinew-formats"),
             ("sinew-simulate", "sinew-tracking", "sinew-observe"),
             ("sinew-simulate", "sinew", "sinew-formats"),
             ("sinew", "sinew-cli", "sinew-tracking"),
@@ -266,7 +214,7 @@ mod tests {
         let library = "crates/sinew/src/run.rs";
         planted::check(check, library, "pub use sinew_simulate as simulate;", "struct A { sinew_version: u8 }");
         let simulated = "crates/sinew-simulate/src/walker.rs";
-        planted::check(check, simulated, "use sinew::results::Estimate;", "use sinew_observe::Camera;");
+        planted::check(check, simulated, "use sinew_results::Estimate;", "use sinew_observe::Camera;");
         planted::check(check, simulated, "use sinew_tracking::Tracker;", "mod sinew; use sinew_core::random::Stage;");
     }
 }

@@ -1,6 +1,5 @@
-//! Markdown pages: every link and path leads somewhere, every page is listed, words are plain.
+//! Markdown pages: every link and path leads somewhere, every page is listed.
 
-use super::words::odd_words;
 use super::workspace::Violation;
 use std::collections::BTreeMap;
 use std::fs;
@@ -73,11 +72,6 @@ fn page(path: &str, pages: &Pages, exists: &dyn Fn(&str) -> bool) -> Vec<Violati
     for (line, named) in paths(text).filter(|(_, named)| !exists(named)) {
         found.push(Violation::at(path, line, format!("there is no {named}")));
     }
-    for (line, row) in uncoded(text) {
-        for (word, plain) in odd_words(&row) {
-            found.push(Violation::at(path, line, format!("\"{word}\": write {plain}")));
-        }
-    }
     found
 }
 
@@ -148,7 +142,6 @@ fn headings(text: &str) -> Vec<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::words::STUMBLES;
     use super::*;
 
     fn found(text: &str) -> Vec<String> {
@@ -171,14 +164,6 @@ mod tests {
     fn paths_that_are_not_there_are_caught() {
         assert_eq!(found("`docs/x.svg` `docs/b/other.md` `crates/*/tests` `docs x`"), [""; 0]);
         assert_eq!(found("`crates/none.rs`").len(), 1);
-    }
-
-    #[test]
-    fn odd_words_are_caught() {
-        let odd = STUMBLES[0].0;
-        assert_eq!(found(&format!("It is {}.", odd.to_uppercase())).len(), 1);
-        assert_eq!(found(&format!("It is\n{odd}")).len(), 1);
-        assert_eq!(found(&format!("A man{odd}; `{odd}`\n\n```\n{odd}\n```\n")), [""; 0]);
     }
 
     #[test]

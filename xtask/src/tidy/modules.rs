@@ -1,15 +1,14 @@
 //! Modules of a crate: their files, the names that each declares, and the paths that each mentions.
 //!
-//! Read from tokens, not from a full grammar: paths in macros count, names that macros make do not. Test modules are no part of it.
+//! Paths in macros count, names that macros make do not. Test modules are no part of it.
 
-mod declarations;
-mod files;
 mod names;
+mod reader;
 mod tree;
 
-pub use files::read_crate;
 pub use names::{Found, resolve};
-pub use tree::{Kind, Mention, Module, Tree};
+pub use reader::read_crate;
+pub use tree::{Mention, Module, Tree};
 
 #[cfg(test)]
 pub mod made_up {

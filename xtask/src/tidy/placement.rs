@@ -2,9 +2,10 @@
 
 use super::workspace::{Violation, Workspace};
 
-const TOP: [&str; 18] = [
+const TOP: [&str; 19] = [
     ".cargo",
     ".ci",
+    ".github",
     ".gitignore",
     "CHANGELOG.md",
     "CITATION.cff",

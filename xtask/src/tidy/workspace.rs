@@ -1,6 +1,7 @@
 //! What rules read and what they find: the text of the workspace, and violations.
 
-use crate::source;
+use crate::source::{Token, flat, without_tests};
+use proc_macro2::TokenStream;
 use std::fs;
 use std::io;
 use std::path::Path;
@@ -11,23 +12,32 @@ pub struct File {
     pub path: String,
     /// Whole text.
     pub text: String,
-    /// Text without comments and strings; empty but for Rust.
-    pub code: String,
-    /// Code without test modules.
-    pub product: String,
+    /// Its tokens; none but of Rust.
+    pub code: Vec<Token>,
+    /// Its tokens outside test modules.
+    pub product: Vec<Token>,
+    /// What stands outside test modules, not taken apart yet.
+    stream: TokenStream,
 }
 
 impl File {
     /// A file with that text.
     pub fn new(path: &str, text: &str) -> Self {
-        let code = if path.ends_with(".rs") { source::code(text) } else { String::new() };
-        Self { path: path.into(), text: text.into(), product: source::without_tests(&code), code }
+        let whole: TokenStream =
+            if path.ends_with(".rs") { text.parse().unwrap_or_default() } else { Default::default() };
+        let stream = without_tests(whole.clone());
+        Self { path: path.into(), text: text.into(), code: flat(whole), product: flat(stream.clone()), stream }
     }
 
     /// Folder name of the crate whose `src` folder holds this file: `sinew-core`.
     pub fn library(&self) -> Option<&str> {
         let (name, rest) = self.path.strip_prefix("crates/")?.split_once('/')?;
         rest.starts_with("src/").then_some(name)
+    }
+
+    /// Its syntax, without test modules; none where it is no whole file of Rust.
+    pub fn product_syntax(&self) -> Option<syn::File> {
+        syn::parse2(self.stream.clone()).ok()
     }
 
     /// Whether this is Rust.
@@ -54,24 +64,17 @@ pub struct Violation {
     pub line: Option<usize>,
     /// What is wrong and what to do.
     pub what: String,
-    /// What a list of exceptions calls it.
-    pub key: String,
 }
 
 impl Violation {
     /// About a whole file.
     pub fn in_file(path: &str, what: impl Into<String>) -> Self {
-        Self { path: path.into(), line: None, what: what.into(), key: path.into() }
+        Self { path: path.into(), line: None, what: what.into() }
     }
 
     /// About a line.
     pub fn at(path: &str, line: usize, what: impl Into<String>) -> Self {
         Self { line: Some(line), ..Self::in_file(path, what) }
-    }
-
-    /// The same under another name for lists of exceptions than its path.
-    pub fn known_as(self, key: &str) -> Self {
-        Self { key: key.into(), ..self }
     }
 }
 

@@ -2,10 +2,11 @@
 //!
 //! Links stand parents first, points sorted by link, every link's translations before its rotations (a link written otherwise becomes two). All vectors that an evaluation keeps lie in one
 //! array, and the plan knows the place of each: the frame of a link with children takes four places (the columns of `R`, the origin), that of a link without one (the
-//! origin), the world's the first four. The axis of a rotation is a column of the frame before it or after it wherever such a frame is kept; only the others take a place of their own.
+//! origin), the world's the first four. Every frame is taken parallel to the world's where all joints are at zero, so that rest rotations turn offsets and axes once, here, and no state later. The axis of a rotation is a column of the frame before it or after it wherever such a frame is kept; only the others take a place of their own.
 
 use super::straight_line::Body;
 use super::structure::structure;
+use crate::rotation::{Matrix, apply, product};
 use crate::tree::{Axis, Joint, KinematicTree};
 use std::ops::Range;
 
@@ -93,10 +94,17 @@ impl Plan {
             straight_line: Body::of(&structure(tree, points)).map(|body| (body, link_offsets)),
         };
         let mut last_segment: Vec<usize> = Vec::with_capacity(tree.links().len());
+        let mut rests: Vec<Option<Matrix>> = Vec::with_capacity(tree.links().len());
         for (index, link) in tree.links().iter().enumerate() {
             let mut parent = link.parent.map(|p| last_segment[p]);
-            let mut offset = link.offset;
-            let mut joints = link.joints.iter().peekable();
+            let above = link.parent.and_then(|p| rests[p]);
+            let mut offset = turned(above.as_ref(), link.offset);
+            let rest = match (above, link.rest) {
+                (Some(above), Some(rest)) => Some(product(&above, &rest)),
+                (above, rest) => above.or(rest),
+            };
+            rests.push(rest);
+            let mut joints = link.joints.iter().map(|joint| turned_joint(rest.as_ref(), *joint)).peekable();
             loop {
                 plan.push_segment(&mut joints, parent, offset);
                 parent = Some(plan.links.len() - 1);
@@ -110,7 +118,7 @@ impl Plan {
             for (k, &p) in points.iter().enumerate() {
                 let point = &tree.points()[p];
                 if point.link == index {
-                    plan.offsets.push(point.offset);
+                    plan.offsets.push(turned(rest.as_ref(), point.offset));
                     plan.link_of.push(segment);
                     plan.order.push(k);
                     plan.links[segment].points += 1;
@@ -122,21 +130,21 @@ impl Plan {
     }
 
     /// Takes the next translations and the rotations after them for a link of the plan.
-    fn push_segment<'a>(
+    fn push_segment(
         &mut self,
-        joints: &mut std::iter::Peekable<impl Iterator<Item = &'a Joint>>,
+        joints: &mut std::iter::Peekable<impl Iterator<Item = Joint>>,
         parent: Option<usize>,
         offset: [f64; 3],
     ) {
         let first = self.joints.len();
-        let free = |axis: &Axis| PlanJoint { axis: *axis, place: 0, stored: false };
+        let placeless = |axis: &Axis| PlanJoint { axis: *axis, place: 0, stored: false };
         while let Some(Joint::Translate(axis)) = joints.peek() {
-            self.joints.push(free(axis));
+            self.joints.push(placeless(axis));
             joints.next();
         }
         let translations = self.joints.len() - first;
         while let Some(Joint::Rotate(axis)) = joints.peek() {
-            self.joints.push(free(axis));
+            self.joints.push(placeless(axis));
             joints.next();
         }
         let rotations = self.joints.len() - first - translations;
@@ -175,19 +183,24 @@ impl Plan {
             link.frame = next;
             next += if link.has_children { FRAME } else { 1 };
             let (translations, rotations) = self.joints[link.dofs()].split_at_mut(link.translations);
+            let mut own_place = |joint: &mut PlanJoint| {
+                joint.place = next;
+                joint.stored = true;
+                next += 1;
+            };
             for joint in translations {
-                joint.place = from + joint.axis as usize;
+                match joint.axis.index() {
+                    Some(axis) => joint.place = from + axis,
+                    None => own_place(joint),
+                }
             }
             let axes: Vec<Axis> = rotations.iter().map(|joint| joint.axis).collect();
             for (j, joint) in rotations.iter_mut().enumerate() {
-                if axes[..j].iter().all(|a| *a == joint.axis) {
-                    joint.place = from + joint.axis as usize;
-                } else if link.has_children && axes[j..].iter().all(|a| *a == joint.axis) {
-                    joint.place = link.frame + joint.axis as usize;
-                } else {
-                    joint.place = next;
-                    joint.stored = true;
-                    next += 1;
+                let same = |axes: &[Axis]| axes.iter().all(|a| *a == joint.axis);
+                match joint.axis.index() {
+                    Some(axis) if same(&axes[..j]) => joint.place = from + axis,
+                    Some(axis) if link.has_children && same(&axes[j..]) => joint.place = link.frame + axis,
+                    _ => own_place(joint),
                 }
             }
         }
@@ -228,5 +241,19 @@ impl Plan {
     #[must_use]
     pub fn order(&self) -> &[usize] {
         &self.order
+    }
+}
+
+/// A vector of a link's frame in the plan's, which has no rest rotation.
+fn turned(rest: Option<&Matrix>, vector: [f64; 3]) -> [f64; 3] {
+    rest.map_or(vector, |rest| apply(rest, vector))
+}
+
+/// A joint with its axis in the plan's frame.
+fn turned_joint(rest: Option<&Matrix>, joint: Joint) -> Joint {
+    let Some(rest) = rest else { return joint };
+    match joint {
+        Joint::Translate(axis) => Joint::Translate(axis.turned(rest)),
+        Joint::Rotate(axis) => Joint::Rotate(axis.turned(rest)),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::gauss_newton::INERTIA;
 use super::plan::{ORIGIN, Plan};
-use super::vector::{V3, cross_add, cross_sub, dot, load3, moved, store3, turned, v3};
+use super::vector::{V3, along, cross_add, cross_sub, dot, load3, moved, store3, turned, turned_about, v3};
 use super::visit::{Pass, Visit, WRENCH, take};
 use crate::tree::Axis;
 use sinew_core::elementary::sin_cos;
@@ -77,6 +77,9 @@ impl Plan {
             let mut p = moved(load3::<V>(&from[ORIGIN]), [cx, cy, cz], &link.offset);
             for (joint, q) in joints.by_ref().take(link.translations) {
                 let u = column(joint.axis, [cx, cy, cz]);
+                if BACK && let Axis::Free(_) = joint.axis {
+                    store3(u, &mut vectors[joint.place]);
+                }
                 let x = V::load(q);
                 p = v3!(K => x.fma(u[K], p[K]));
             }
@@ -87,6 +90,7 @@ impl Plan {
                     Axis::X => (cy, cz) = turned(cy, cz, sin, cos),
                     Axis::Y => (cz, cx) = turned(cz, cx, sin, cos),
                     Axis::Z => (cx, cy) = turned(cx, cy, sin, cos),
+                    Axis::Free(axis) => [cx, cy, cz] = turned_about(axis, u, [cx, cy, cz], sin, cos),
                 }
                 if BACK && joint.stored {
                     store3(u, &mut vectors[joint.place]);
@@ -173,12 +177,13 @@ fn store_world<V: Real>(vectors: &mut [[V::Mem; 3]]) {
     }
 }
 
-/// An axis of a frame.
+/// An axis of a frame in the world.
 #[inline(always)]
 fn column<V: Real>(axis: Axis, [cx, cy, cz]: [V3<V>; 3]) -> V3<V> {
     match axis {
         Axis::X => cx,
         Axis::Y => cy,
         Axis::Z => cz,
+        Axis::Free(axis) => along(axis, [cx, cy, cz]),
     }
 }

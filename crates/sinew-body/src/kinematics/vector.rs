@@ -81,3 +81,25 @@ pub(super) fn moved<V: Real>(p: V3<V>, columns: [V3<V>; 3], offset: &[f64; 3]) -
 pub(super) fn turned<V: Real>(a: V3<V>, b: V3<V>, s: V, c: V) -> (V3<V>, V3<V>) {
     (v3!(K => s.fma(b[K], c * a[K])), v3!(K => s.fnma(a[K], c * b[K])))
 }
+
+/// `cx·a₀ + cy·a₁ + cz·a₂`.
+#[inline(always)]
+pub(super) fn along<V: Real>(a: [f64; 3], [cx, cy, cz]: [V3<V>; 3]) -> V3<V> {
+    let [x, y, z] = a.map(V::splat);
+    v3!(K => z.fma(cz[K], y.fma(cy[K], x * cx[K])))
+}
+
+/// The columns of a frame after a rotation by the angle of (s, c) about its own unit vector `a`, which is `u` in the world:
+/// `cos·c_k + (1 − cos) a_k u + sin·(u × c_k)`, where `u × cx = a₂ cy − a₁ cz` and so on around.
+#[inline(always)]
+pub(super) fn turned_about<V: Real>(a: [f64; 3], u: V3<V>, [cx, cy, cz]: [V3<V>; 3], s: V, c: V) -> [V3<V>; 3] {
+    let [x, y, z] = a.map(V::splat);
+    let t = V::splat(1.0) - c;
+    let [tx, ty, tz] = [t * x, t * y, t * z];
+    let [sx, sy, sz] = [s * x, s * y, s * z];
+    [
+        v3!(K => sy.fnma(cz[K], sz.fma(cy[K], tx.fma(u[K], c * cx[K])))),
+        v3!(K => sz.fnma(cx[K], sx.fma(cz[K], ty.fma(u[K], c * cy[K])))),
+        v3!(K => sx.fnma(cy[K], sy.fma(cx[K], tz.fma(u[K], c * cz[K])))),
+    ]
+}

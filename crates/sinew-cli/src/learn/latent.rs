@@ -9,12 +9,12 @@ use super::super::report::{self, Report};
 use super::super::table::aligned;
 use super::{PhaseProgress, fit_as_json, fit_rows, motion_files, place};
 use serde_json::json;
+use sinew::run::threads::{wanted, with_threads};
 use sinew_latent::file::LatentKind;
 use sinew_latent::training::Progress;
-use sinew_runs::threads::{wanted, with_threads};
-use sinew_tools::learn::latent::{LatentRequest, LatentWatch, LearnedLatent, learn};
-use sinew_tools::learn::reconstruction::Reconstruction;
-use sinew_tools::learn::sequences::FileFit;
+use sinew_motion::learn::latent::{LatentRequest, LatentWatch, LearnedLatent, learn};
+use sinew_motion::learn::reconstruction::Reconstruction;
+use sinew_motion::learn::sequences::FileFit;
 use std::path::Path;
 
 /// Runs the command.
@@ -39,7 +39,7 @@ pub(crate) fn run(args: &LatentArgs, general: &General, report: &Report) -> Resu
     let learned = with_threads(wanted(&config), || {
         let mut warning = |warning: &str| report.warnings(&[warning.to_owned()]);
         let mut watch = LatentWatch { progress: &mut progress, step: &mut step, warning: &mut warning, stop: &stop };
-        learn(&request, Path::new(out), general.force, &mut watch)
+        Ok::<_, Error>(learn(&request, Path::new(out), general.force, &mut watch)?)
     })?;
     shown.end();
     if learned.model.is_none() {

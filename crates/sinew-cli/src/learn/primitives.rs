@@ -11,9 +11,9 @@ use super::{PhaseProgress, fit_as_json, fit_rows, motion_files, place};
 use serde_json::json;
 use sinew::dynamics::primitives::learning::LearningProgress;
 use sinew::dynamics::primitives::summary::{PredictionErrors, PrimitiveSummary};
-use sinew_runs::threads::{wanted, with_threads};
-use sinew_tools::learn::primitives::{LearnRequest, LearnWatch, LearnedPrimitives, learn};
-use sinew_tools::learn::sequences::FileFit;
+use sinew::run::threads::{wanted, with_threads};
+use sinew_motion::learn::primitives::{LearnRequest, LearnWatch, LearnedPrimitives, learn};
+use sinew_motion::learn::sequences::FileFit;
 use std::path::Path;
 
 /// Runs the command.
@@ -39,7 +39,7 @@ pub(crate) fn run(args: &PrimitivesArgs, general: &General, report: &Report) -> 
     };
     let learned = with_threads(wanted(&config), || {
         let mut watch = LearnWatch { progress: &mut progress, iteration: &mut iteration, stop: &stop };
-        learn(&request, Path::new(out), general.force, &mut watch)
+        Ok::<_, Error>(learn(&request, Path::new(out), general.force, &mut watch)?)
     })?;
     shown.end();
     report.warnings(&learned.warnings);

@@ -2,7 +2,7 @@
 
 use crate::common::{Trial, files};
 use sinew::formats::{mask, picture};
-use sinew::observe::bit_image::BitImage;
+use sinew::observe::silhouettes::bit_image::BitImage;
 use std::fs;
 use std::process::Output;
 

@@ -8,8 +8,8 @@
 use crate::common::synthetic::Whole;
 use crate::common::{column, files};
 use serde_json::Value;
-use sinew::results::problem;
 use sinew::track::checkpoint::{self, Checkpoint};
+use sinew_results::problem;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

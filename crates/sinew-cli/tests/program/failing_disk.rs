@@ -6,11 +6,11 @@ use crate::common::files;
 use crate::common::synthetic::Whole;
 use sinew::angles::{AngleMarginal, Convention, JointAngles};
 use sinew::formats::calib_toml;
-use sinew::results::estimate::{Draws, FrameEstimate, PointMarginal, RunInfo, StateMarginal};
-use sinew::results::problem;
-use sinew::results::{Disk, Ending, OWN_NAMES, ResultFolder, Storage, StoredFile, Texts, claim_in};
 use sinew::track::checkpoint;
 use sinew::{Error, FileError, bodies};
+use sinew_results::estimate::{Draws, FrameEstimate, PointMarginal, RunInfo, StateMarginal};
+use sinew_results::problem;
+use sinew_results::{Disk, Ending, OWN_NAMES, ResultFolder, Storage, StoredFile, Texts, claim_in};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::sync::Arc;
@@ -155,7 +155,8 @@ fn every_failure_is_reported_and_nothing_false_is_left() {
     for steps in (0..needed).filter(few) {
         let folder = root.path().join(format!("{steps}"));
         match write(&folder, steps) {
-            Err(Error::Io(FileError { path, source, .. })) => {
+            Err(error) if error.file().is_some() => {
+                let FileError { path, source, .. } = error.file().unwrap();
                 assert!(path.starts_with(&folder), "{steps}: {}", path.display());
                 assert_eq!(source.to_string(), "injected", "{steps}");
             }
@@ -167,7 +168,7 @@ fn every_failure_is_reported_and_nothing_false_is_left() {
             && !folder.join("load.py").exists()
             && !folder.join("setup.toml").exists()
         {
-            assert!(sinew::results::claim(&folder, &[], false).is_ok(), "{steps}");
+            assert!(sinew_results::claim(&folder, &[], false).is_ok(), "{steps}");
         }
     }
 }
@@ -192,7 +193,8 @@ fn a_run_resumes_when_there_is_room_again() {
         let _ = std::fs::remove_dir_all(&out);
         match run(steps) {
             Ok(_) => continue,
-            Err(Error::Io(FileError { path, source, .. })) => {
+            Err(error) if error.file().is_some() => {
+                let FileError { path, source, .. } = error.file().unwrap();
                 assert!(path.starts_with(&out), "{steps}: {}", path.display());
                 assert_eq!(source.to_string(), "injected", "{steps}");
             }

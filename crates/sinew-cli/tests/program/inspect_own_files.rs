@@ -47,8 +47,8 @@ fn draws_are_listed() {
     insta::assert_snapshot!("posterior.zarr", printed);
     let store = trial.path("out/posterior.zarr");
     assert_eq!(
-        sinew_tools::inspect::subjects(&[store]).unwrap(),
-        [sinew_tools::inspect::Subject::Draws(trial.path("out/posterior.zarr"))]
+        sinew_report::inspect::subjects(&[store]).unwrap(),
+        [sinew_report::inspect::Subject::Draws(trial.path("out/posterior.zarr"))]
     );
     fs::remove_file(trial.path("out/posterior.zarr/zarr.json")).unwrap();
     insta::assert_snapshot!("no_zarr", shown(&trial, &["out/posterior.zarr"]));
@@ -80,7 +80,7 @@ fn a_run_that_did_not_end_well_says_so() {
 fn a_run_that_did_not_end_at_all_says_so() {
     let trial = trial(0.1);
     fs::create_dir(trial.path("out")).unwrap();
-    let claim = sinew::results::claim(&trial.path("out"), &[], false).unwrap();
+    let claim = sinew_results::claim(&trial.path("out"), &[], false).unwrap();
     insta::assert_snapshot!("begun", shown(&trial, &["out"]));
     fs::write(trial.path("out/joints.csv.partial"), "").unwrap();
     fs::write(trial.path("out/frames.csv.partial"), "frame,time_s\n0,0.0\n1,0.1\n2,").unwrap();

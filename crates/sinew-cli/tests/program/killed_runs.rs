@@ -3,8 +3,8 @@
 use crate::common::synthetic::Whole;
 use crate::common::{QUICK, TRACK, Trial, crc32, files, trial};
 use sinew::core::random::Stage;
-use sinew::results::problem;
 use sinew::track::checkpoint::{self, Checkpoint};
+use sinew_results::problem;
 use std::fs;
 use std::io::{BufRead as _, BufReader};
 use std::path::Path;
@@ -37,7 +37,7 @@ fn finished(child: Child) -> Output {
 fn same_results(trial: &Trial, out: &str) -> bool {
     let [mut whole, mut other] = ["whole", out].map(|name| files(&trial.path(name)));
     // Who was killed after all else was done leaves its lock file.
-    other.remove(sinew::results::LOCK_NAME);
+    other.remove(sinew_results::LOCK_NAME);
     whole.remove("timings.json").is_some() && other.remove("timings.json").is_some() && whole == other
 }
 

@@ -57,7 +57,7 @@ fn markers_become_a_file_of_laboratories_and_back() {
     check(&trial, &["b.trc", "b.c3d"]);
     assert_eq!(fs::read(trial.path("b.c3d")).unwrap(), fs::read(trial.path("a.c3d")).unwrap());
     let [before, after] = ["a.csv", "b.trc"]
-        .map(|name| sinew_tools::motion::read(&trial.path(name), None, None).unwrap().points().unwrap());
+        .map(|name| sinew_motion::convert::read(&trial.path(name), None, None).unwrap().points().unwrap());
     assert_eq!((&after.names, &after.frames), (&before.names, &before.frames));
     assert_eq!(after.time_s, [1.5, 91.0 / 60.0]);
     let inspected = String::from_utf8(trial.run(&["inspect", "a.c3d"]).stdout).unwrap();
@@ -75,7 +75,7 @@ fn markers_become_a_file_of_laboratories_and_back() {
 fn a_skeleton_becomes_points_and_channels() {
     let trial = with(&[("a.bvh", BVH)]);
     check(&trial, &["a.bvh", "a.csv"]);
-    let motion = sinew_tools::motion::read(&trial.path("a.csv"), None, None).unwrap();
+    let motion = sinew_motion::convert::read(&trial.path("a.csv"), None, None).unwrap();
     let points = motion.points().unwrap();
     assert_eq!(points.names, ["Hips", "Knee", "Knee_End"]);
     // The hips are turned by 90 degrees about the file's x: the leg points along −z there, which is y of the world.

@@ -84,7 +84,8 @@ fn a_fitted_body_is_tracked() {
     insta::assert_snapshot!("masks_of_nobody", {
         for (name, _) in files(&trial.path("rec/masks")) {
             let mut bytes = Vec::new();
-            sinew::formats::mask::write(&mut bytes, &sinew::observe::bit_image::BitImage::new(160, 120)).unwrap();
+            sinew::formats::mask::write(&mut bytes, &sinew::observe::silhouettes::bit_image::BitImage::new(160, 120))
+                .unwrap();
             fs::write(trial.path("rec/masks").join(name), bytes).unwrap();
         }
         refused(&["-oother.toml", "--silhouettes=rec/masks", "-q"])

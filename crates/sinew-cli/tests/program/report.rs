@@ -1,7 +1,7 @@
 //! `sinew report` and `track --report`: one page that does no harm, is small, and says what is missing.
 
 use crate::common::{Trial, trial};
-use sinew_tools::report::{ReportRequest, page};
+use sinew_report::page::{ReportRequest, page};
 use std::fs;
 
 fn printed(trial: &Trial, arguments: &[&str]) -> String {

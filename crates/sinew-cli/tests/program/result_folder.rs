@@ -1,7 +1,7 @@
 //! The result folder: complete, the same from run to run, never overwritten unasked.
 
 use crate::common::{TRACK, Trial, files, trial};
-use sinew::results::RESULT_NAMES;
+use sinew_results::RESULT_NAMES;
 use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
@@ -225,12 +225,12 @@ fn folders_that_cannot_be_results() {
 #[test]
 fn a_folder_in_use_is_refused() {
     let trial = trial(0.1);
-    let claim = sinew::results::claim(&trial.path("out"), &[], false).unwrap();
+    let claim = sinew_results::claim(&trial.path("out"), &[], false).unwrap();
     let printed = trial.track_printed(&[]).replace(&std::process::id().to_string(), "[pid]");
     insta::assert_snapshot!("in_use", printed);
     drop(claim);
     fs::create_dir_all(trial.path("out")).unwrap();
-    fs::write(trial.path("out").join(sinew::results::LOCK_NAME), "4000000\n").unwrap();
+    fs::write(trial.path("out").join(sinew_results::LOCK_NAME), "4000000\n").unwrap();
     insta::assert_snapshot!("stale_lock", trial.track_printed(&[]));
 }
 
@@ -385,10 +385,10 @@ fn a_run_that_was_stopped_is_not_replaced_unasked() {
     check_done(&trial, &["-owhole"]);
     let setup = "--setup=whole/setup.toml";
     fs::create_dir(trial.path("out")).unwrap();
-    fs::write(trial.path("out").join(sinew::results::problem::NAME), "").unwrap();
+    fs::write(trial.path("out").join(sinew_results::problem::NAME), "").unwrap();
     fs::write(trial.path("out/joints.csv.partial"), "").unwrap();
     insta::assert_snapshot!("stopped_run", trial.track_printed(&[setup]));
-    assert_eq!(fs::read(trial.path("out").join(sinew::results::problem::NAME)).unwrap(), b"");
+    assert_eq!(fs::read(trial.path("out").join(sinew_results::problem::NAME)).unwrap(), b"");
     check_done(&trial, &[setup, "--force"]);
     assert_eq!(top(&trial.path("out")), RESULT_NAMES);
 }

@@ -3,9 +3,9 @@
 use crate::common::column;
 use crate::common::synthetic::{FRAMES, Whole, results};
 use sinew::input::upright::{FramesRead, Upright};
-use sinew::results::problem;
-use sinew::results::problem::Problem;
 use sinew::track::checkpoint::{self, Checkpoint};
+use sinew_results::problem;
+use sinew_results::problem::Problem;
 use std::fs;
 use std::path::Path;
 
@@ -129,7 +129,7 @@ fn a_changed_or_missing_chunk_is_refused() {
         let from = checkpoint::read(&out).unwrap();
         assert_eq!(from.done, 130);
         match whole.run(&out, 1, None, Some(from)) {
-            Err(sinew::Error::Checkpoint { problem, .. }) => {
+            Err(sinew::Error::Results(sinew_results::Error::Checkpoint { problem, .. })) => {
                 assert_eq!(*problem, Problem::Changed { path: path.to_owned() });
             }
             other => panic!("{}: {other:?}", path.display()),

@@ -2,11 +2,11 @@
 
 use crate::common::synthetic::Whole;
 use crate::common::walks::one_walk;
-use sinew::results::problem::Problem;
 use sinew::track::checkpoint;
 use sinew_latent::file::LatentKind;
 use sinew_motion::follow::NamedBody;
-use sinew_tools::learn::latent::{LatentRequest, LatentWatch, learn};
+use sinew_motion::learn::latent::{LatentRequest, LatentWatch, learn};
+use sinew_results::problem::Problem;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -56,7 +56,7 @@ fn a_run_with_another_latent_model_is_not_resumed() {
     whole.run(&out, 1, Some(4), None).unwrap();
     model(folder.path(), LatentKind::Gpdm, NamedBody::H32, 31);
     match whole.run(&out, 1, None, Some(checkpoint::read(&out).unwrap())) {
-        Err(sinew::Error::Checkpoint { problem, .. }) => {
+        Err(sinew::Error::Results(sinew_results::Error::Checkpoint { problem, .. })) => {
             let words = problem.to_string();
             assert!(!matches!(*problem, Problem::Settings(_)) && words.contains("latent"), "{words}");
         }

@@ -2,11 +2,11 @@
 
 use crate::common::synthetic::{Whole, results};
 use crate::common::walks::one_walk;
-use sinew::results::claim;
-use sinew::results::problem::Problem;
 use sinew::track::checkpoint;
 use sinew_motion::follow::NamedBody;
-use sinew_tools::learn::primitives::{LearnRequest, LearnWatch, learn};
+use sinew_motion::learn::primitives::{LearnRequest, LearnWatch, learn};
+use sinew_results::claim;
+use sinew_results::problem::Problem;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -90,7 +90,7 @@ fn a_run_with_another_model_is_not_resumed() {
     whole.run(&out, 1, Some(4), None).unwrap();
     model(folder.path(), NamedBody::H32, 2);
     match whole.run(&out, 1, None, Some(checkpoint::read(&out).unwrap())) {
-        Err(sinew::Error::Checkpoint { problem, .. }) => {
+        Err(sinew::Error::Results(sinew_results::Error::Checkpoint { problem, .. })) => {
             let words = problem.to_string();
             assert!(!matches!(*problem, Problem::Settings(_)) && words.contains("motion_model"), "{words}");
         }

@@ -3,7 +3,7 @@
 use crate::common::{Trial, files};
 use sinew::formats::picture;
 use sinew::input::silhouettes::{ImageFolderOptions, Silhouettes};
-use sinew::observe::bit_image::{BitImage, overlap};
+use sinew::observe::silhouettes::bit_image::{BitImage, overlap};
 use sinew::observe::{Camera, RgbImage};
 use std::fs;
 use std::path::Path;

@@ -2,7 +2,7 @@
 
 use crate::common::{QUICK, TRACK, Trial, files};
 use sinew::formats::{calib_toml, picture, trc};
-use sinew::results::LOCK_NAME;
+use sinew_results::LOCK_NAME;
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::crowd::{Crowd, CrowdNoise, CrowdRecording};
 use sinew_simulate::ring::Ring;
@@ -34,7 +34,7 @@ fn away(trial: &Trial, folder: &str, recording: &CrowdRecording) -> Vec<f64> {
     let text = fs::read_to_string(trial.path(folder).join("markers.trc")).unwrap();
     let found = trc::read("markers.trc", &text).unwrap();
     let marker = found.marker_index("RHip").unwrap();
-    let distance = |person: &sinew_motion::points::Trajectories| {
+    let distance = |person: &sinew::body::points::Trajectories| {
         let hip = person.index("RHip").unwrap();
         let apart = |frame: usize| {
             let (at, true_at) = (found.point_in_world(frame, marker).unwrap(), person.frames[frame][hip]);

@@ -4,7 +4,7 @@ use crate::common::trial;
 use sinew::formats::calib_toml;
 use sinew::observe::Camera;
 use sinew::setup::Setup;
-use sinew_tools::refined::RefinedCalibration;
+use sinew_setup::refined_calibration::RefinedCalibration;
 use std::fs;
 use std::path::Path;
 

@@ -70,13 +70,12 @@ impl Parser<'_> {
     }
 
     fn bad(&self, field: &str, found: &[&str], expected: &str) -> Error {
-        let (field, found, expected) = (field.into(), shortened(&found.join(" ")), expected.into());
-        Error::BadValue { place: self.place(), field, found, expected }
+        self.place().bad_value(field, shortened(&found.join(" ")), expected)
     }
 
     fn missing(&self, line: usize, field: &str) -> Error {
         let place = Place::file(self.name);
-        Error::MissingField { place: if line > 0 { place.at_line(line) } else { place }, field: field.into() }
+        if line > 0 { place.at_line(line) } else { place }.lacks(field)
     }
 
     fn number(&self, field: &str, words: &[&str]) -> Result<f64, Error> {
@@ -186,7 +185,7 @@ impl Parser<'_> {
         let Some(bone) = self.open.take() else { return Ok(()) };
         let name = bone.name.clone().ok_or_else(|| self.missing(bone.line, "name"))?;
         if name == "root" || self.bones.contains_key(&name) {
-            return Err(Error::DuplicateName { place: self.place(), what: "bone", name });
+            return Err(self.place().twice("bone", name));
         }
         self.bones.insert(name, bone);
         Ok(())
@@ -206,7 +205,7 @@ impl Parser<'_> {
         }
         for &child in children {
             if child == "root" || self.attached.insert(child.to_owned(), self.line).is_some() {
-                return Err(Error::DuplicateName { place: self.place(), what: "child", name: child.into() });
+                return Err(self.place().twice("child", child));
             }
             self.children.entry(parent.to_owned()).or_default().push(child.to_owned());
         }
@@ -245,7 +244,7 @@ impl Parser<'_> {
         let reached: BTreeSet<&str> = bones.iter().map(|bone| bone.name.as_str()).collect();
         if let Some((name, raw)) = self.bones.iter().find(|(name, _)| !reached.contains(name.as_str())) {
             let place = Place::file(self.name).at_line(raw.line).within(name.as_str());
-            return Err(Error::MissingField { place, field: "a path to the root in :hierarchy".into() });
+            return Err(place.lacks("a path to the root in :hierarchy"));
         }
         let root_axis =
             if self.root_orientation == [0.0; 3] { IDENTITY } else { matrix(self.root_orientation, root_order) };

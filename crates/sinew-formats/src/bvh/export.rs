@@ -233,7 +233,7 @@ mod tests {
 
     /// Root with two branches; links are given breadth first, which a BVH file cannot keep.
     fn tree() -> KinematicTree {
-        let link = |name: &str, parent, offset| Link { name: name.into(), parent, offset, joints: Vec::new() };
+        let link = |name: &str, parent, offset| Link::new(name, parent, offset, Vec::new());
         let links = vec![
             link("pelvis", None, [0.0; 3]),
             link("left", Some(0), [-0.1, 0.0, -0.1]),
@@ -276,7 +276,7 @@ mod tests {
     /// The ends of a body that has everything: branches at one place, children at their parent's origin, and nothing that shows where the last link ends.
     #[test]
     fn every_bone_ends_where_its_children_begin() {
-        let link = |name: &str, parent, offset| Link { name: name.into(), parent, offset, joints: Vec::new() };
+        let link = |name: &str, parent, offset| Link::new(name, parent, offset, Vec::new());
         let links = vec![
             link("pelvis", None, [0.0; 3]),
             link("spine", Some(0), [0.0; 3]),

@@ -94,17 +94,15 @@ impl<'a> Words<'a> {
     }
 
     fn syntax_at(&self, line: usize, found: &str, expected: &str) -> Error {
-        let found = format!("`{}`", shortened(found));
-        Error::Syntax { place: Place::file(self.name).at_line(line), found, expected: expected.into() }
+        Place::file(self.name).at_line(line).syntax(format!("`{}`", shortened(found)), expected)
     }
 
     fn end(&self, expected: &str) -> Error {
-        Error::Syntax { place: Place::file(self.name), found: "the file ends".into(), expected: expected.into() }
+        Place::file(self.name).syntax("the file ends", expected)
     }
 
     fn bad_value(&self, line: usize, field: &str, found: &str, expected: &str) -> Error {
-        let (field, found, expected) = (field.into(), shortened(found), expected.into());
-        Error::BadValue { place: Place::file(self.name).at_line(line), field, found, expected }
+        Place::file(self.name).at_line(line).bad_value(field, shortened(found), expected)
     }
 }
 
@@ -187,7 +185,7 @@ fn new_joint<'a>(
     }
     open_brace(words, lines)?;
     if !words.joint_names.insert(name.clone()) {
-        return Err(Error::DuplicateName { place: words.place(), what: "joint", name });
+        return Err(words.place().twice("joint", name));
     }
     joints.push(BvhJoint { name, parent, offset: [0.0; 3], channels: Vec::new(), end_site: None });
     Ok(Open::Joint(joints.len() - 1))

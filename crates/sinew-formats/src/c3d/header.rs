@@ -43,8 +43,7 @@ pub(super) fn read<'a>(name: &'a str, bytes: &'a [u8]) -> Result<(Source<'a>, He
     let mut source = Source { name, bytes, processor: Processor::Intel };
     let start = source.slice(0, 2, INSIDE)?;
     if start[1] != MARK {
-        let found = format!("{:#04X}", start[1]);
-        return Err(Error::Syntax { place: source.place(1), found, expected: "0x50, which marks a C3D file".into() });
+        return Err(source.place(1).syntax(format!("{:#04X}", start[1]), "0x50, which marks a C3D file"));
     }
     let parameters_at = match usize::from(start[0]) {
         0 => return Err(source.bad("the block of the parameters", 0, "1 or more")),

@@ -44,11 +44,10 @@ pub(super) fn read(source: &Source<'_>, section_at: usize) -> Result<Vec<C3dGrou
         }
         at = distance_at + distance;
         if at < end {
-            return Err(Error::Syntax {
-                place: source.place(distance_at),
-                found: format!("behind {} comes byte {}", shortened(&name), at + 1),
-                expected: format!("byte {} or a later one, behind its values", end + 1),
-            });
+            return Err(source.place(distance_at).syntax(
+                format!("behind {} comes byte {}", shortened(&name), at + 1),
+                format!("byte {} or a later one, behind its values", end + 1),
+            ));
         }
     }
     Ok(assembled(groups, parameters))
@@ -88,8 +87,11 @@ fn parameter(source: &Source<'_>, at: usize, name: String) -> Result<(C3dParamet
     let elements = if is_empty { Some(0) } else { product };
     let width = usize::from(kind.unsigned_abs());
     if !matches!(kind, -1 | 1 | 2 | 4) {
-        let (field, found) = (format!("the type of {}", shortened(&name)), kind.to_string());
-        return Err(Error::BadValue { place: source.place(at), field, found, expected: "-1, 1, 2 or 4".into() });
+        return Err(source.place(at).bad_value(
+            format!("the type of {}", shortened(&name)),
+            kind.to_string(),
+            "-1, 1, 2 or 4",
+        ));
     }
     // No file holds more than a number of bytes can count.
     let size = elements.and_then(|elements| elements.checked_mul(width)).unwrap_or(usize::MAX);

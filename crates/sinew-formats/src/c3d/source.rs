@@ -42,8 +42,7 @@ impl<'a> Source<'a> {
 
     /// A value that cannot be; `field` is called as the format calls it.
     pub(super) fn bad(&self, field: &str, found: impl ToString, expected: &str) -> Error {
-        let (field, found, expected) = (field.into(), found.to_string(), expected.into());
-        Error::BadValue { place: Place::file(self.name), field, found, expected }
+        Place::file(self.name).bad_value(field, found.to_string(), expected)
     }
 
     /// A place in the file, counted from byte 1.

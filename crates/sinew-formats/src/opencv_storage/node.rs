@@ -65,7 +65,7 @@ impl Node {
             }
             Value::Map(_) => match self.get("data") {
                 Some(data) => data.numbers(file, within),
-                None => Err(Error::MissingField { place: place(), field: "data".into() }),
+                None => Err(place().lacks("data")),
             },
         }
     }

@@ -1,309 +1,108 @@
-//! The YAML that OpenCV writes, as a tree of nodes.
+//! YAML by `saphyr-parser`, as a tree of nodes, and what OpenCV writes that no YAML has.
+//!
+//! `%YAML:1.0` is no directive, `{ x:1 }` has no blank behind the colon, and files that stand one after the other are one
+//! map: the entries of all documents.
 
+use super::check_depth;
 use super::node::{Node, Value};
-use crate::source_text::{line_at, shortened, without_mark};
+use crate::source_text::{malformed, shortened, without_mark};
 use crate::{Error, Place};
+use saphyr_parser::{Event, Parser};
 use std::collections::BTreeMap;
 
-/// Nesting allowed; calibrations need four levels.
-const MAX_DEPTH: usize = 100;
-
-/// A line that is neither blank nor a comment.
-#[derive(Clone, Copy)]
-struct Line<'a> {
-    number: usize,
-    indent: usize,
-    /// From its first character on, without the end of the line.
-    text: &'a str,
-    /// Where that stands in the file.
-    start: usize,
+/// A list or map whose end has not come.
+struct Open {
+    node: Node,
+    /// Name of the value that comes next in a map.
+    key: Option<String>,
+    /// Places of the names of a map.
+    known: BTreeMap<String, usize>,
 }
 
-/// Lines still to be read.
-struct Reader<'a> {
-    name: &'a str,
-    text: &'a str,
-    lines: Vec<Line<'a>>,
-    at: usize,
+impl Open {
+    fn new(line: usize, value: Value) -> Self {
+        Self { node: Node { line, value }, key: None, known: BTreeMap::new() }
+    }
+
+    /// Adds an item of a list, or a name or value of a map; a name may be there twice with one value.
+    fn add(&mut self, file: &str, node: Node) -> Result<(), Error> {
+        let entries = match &mut self.node.value {
+            Value::Map(entries) => entries,
+            Value::List(items) => {
+                items.push(node);
+                return Ok(());
+            }
+            Value::Scalar(_) => return Ok(()),
+        };
+        let (line, place) = (node.line, Place::file(file).at_line(node.line));
+        let (key, value) = match (self.key.take(), node.value) {
+            (None, Value::Scalar(key)) => {
+                self.key = Some(key);
+                return Ok(());
+            }
+            (None, _) => return Err(Error::Unsupported { place, what: "a map or list as a name".into() }),
+            (Some(key), Value::Scalar(text)) if text.is_empty() && key.contains(':') => {
+                let (key, text) = key.split_once(':').unwrap_or_default();
+                (key.to_owned(), Value::Scalar(text.to_owned()))
+            }
+            (Some(key), value) => (key, value),
+        };
+        match self.known.get(&key).and_then(|&first| entries.get(first)) {
+            Some((_, first)) if first.value == value => {}
+            Some(_) => return Err(place.twice("key", shortened(&key))),
+            None => {
+                self.known.insert(key.clone(), entries.len());
+                entries.push((key, Node { line, value }));
+            }
+        }
+        Ok(())
+    }
 }
 
-/// Parses a file into its outermost map or list.
+/// Parses a file into its outermost map.
 pub(super) fn parse(name: &str, text: &str) -> Result<Node, Error> {
     let text = without_mark(text);
-    let mut start = 0;
-    let mut lines = vec![];
-    for (index, line) in text.split_inclusive('\n').enumerate() {
-        let content = line.trim_start_matches(' ');
-        let indent = line.len() - content.len();
-        let shown = content.trim_end();
-        if !shown.is_empty() && !shown.starts_with(['#', '%']) && !matches!(shown, "---" | "...") {
-            lines.push(Line { number: index + 1, indent, text: shown, start: start + indent });
-        }
-        start += line.len();
-    }
-    let mut reader = Reader { name, text, lines, at: 0 };
-    let Some(first) = reader.peek() else {
-        return Ok(Node { line: 1, value: Value::Map(vec![]) });
-    };
-    let node = reader.block(first.indent, 0)?;
-    match reader.peek() {
-        Some(line) => Err(reader.unexpected(line, "a line as far to the right as those before")),
-        None => Ok(node),
-    }
-}
-
-impl<'a> Reader<'a> {
-    fn peek(&self) -> Option<Line<'a>> {
-        self.lines.get(self.at).copied()
-    }
-
-    fn place(&self, line: usize) -> Place {
-        Place::file(self.name).at_line(line)
-    }
-
-    fn unexpected(&self, line: Line<'_>, expected: &str) -> Error {
-        let found = format!("`{}`", shortened(line.text));
-        Error::Syntax { place: self.place(line.number), found, expected: expected.into() }
-    }
-
-    fn truncated(&self, inside: &'static str) -> Error {
-        let offset = self.text.len();
-        Error::Truncated { place: Place::file(self.name), inside, offset, line: Some(line_at(self.text, offset)) }
-    }
-
-    fn check_depth(&self, depth: usize, line: usize) -> Result<(), Error> {
-        if depth < MAX_DEPTH { Ok(()) } else { Err(Error::TooDeep { place: self.place(line), limit: MAX_DEPTH }) }
-    }
-
-    /// The map or list whose lines begin in some column.
-    fn block(&mut self, indent: usize, depth: usize) -> Result<Node, Error> {
-        let Some(first) = self.peek() else { return Err(self.truncated("a map")) };
-        self.check_depth(depth, first.number)?;
-        let value = if is_item(first.text) {
-            Value::List(self.items(indent, depth)?)
-        } else {
-            Value::Map(self.entries(indent, depth)?)
+    // Behind a line end of ours, so that lines count one more.
+    let yaml = format!("\n{text}").replace("\n%", "\n#");
+    let line_of = |marker: saphyr_parser::Marker| marker.line().saturating_sub(1).max(1);
+    let mut root = Open::new(1, Value::Map(vec![]));
+    let mut open: Vec<Open> = vec![];
+    for event in Parser::new_from_str(&yaml) {
+        let (event, span) = event.map_err(|error| {
+            let place = [line_of(*error.marker()), error.marker().col()];
+            malformed(name, text, place, &format!("valid YAML ({})", error.info()))
+        })?;
+        let line = line_of(span.start);
+        let done = match event {
+            Event::MappingStart(..) | Event::SequenceStart(..) => {
+                check_depth(name, line, open.len())?;
+                let is_map = matches!(event, Event::MappingStart(..));
+                open.push(Open::new(line, if is_map { Value::Map(vec![]) } else { Value::List(vec![]) }));
+                continue;
+            }
+            Event::MappingEnd | Event::SequenceEnd => open.pop().map(|done| done.node),
+            Event::Scalar(text, ..) => Some(Node { line, value: Value::Scalar(text.into_owned()) }),
+            Event::Alias(_) => {
+                let place = Place::file(name).at_line(line);
+                return Err(Error::Unsupported { place, what: "an alias in YAML".into() });
+            }
+            _ => None,
         };
-        Ok(Node { line: first.number, value })
-    }
-
-    fn items(&mut self, indent: usize, depth: usize) -> Result<Vec<Node>, Error> {
-        let mut items = vec![];
-        while let Some(line) = self.peek().filter(|line| line.indent == indent && is_item(line.text)) {
-            let content = line.text.get(1..).unwrap_or_default().trim_start();
-            let shift = line.text.len() - content.len();
-            // What follows the dash is a line of its own, farther to the right.
-            let inner = Line { indent: indent + shift, text: content, start: line.start + shift, ..line };
-            if content.is_empty() {
-                self.at += 1;
-                items.push(self.nested(indent + 1, line.number, depth)?);
-            } else if is_item(content) || key_of(content).is_some() {
-                if let Some(own) = self.lines.get_mut(self.at) {
-                    *own = inner;
+        match (done, open.last_mut()) {
+            (Some(done), Some(parent)) => parent.add(name, done)?,
+            (Some(Node { line, value: Value::Map(entries) }), None) => {
+                if root.known.is_empty() {
+                    root.node.line = line;
                 }
-                items.push(self.block(inner.indent, depth + 1)?);
-            } else {
-                items.push(self.inline(inner, depth)?);
-            }
-        }
-        Ok(items)
-    }
-
-    fn entries(&mut self, indent: usize, depth: usize) -> Result<Vec<(String, Node)>, Error> {
-        let mut entries: Vec<(String, Node)> = vec![];
-        let mut known = BTreeMap::new();
-        while let Some(line) = self.peek().filter(|line| line.indent == indent && !is_item(line.text)) {
-            let Some((key, after)) = key_of(line.text) else { return Err(self.unexpected(line, "`name: value`")) };
-            let content = without_tag(after);
-            let shift = line.text.len() - content.len();
-            let node = if content.is_empty() || content.starts_with('#') {
-                self.at += 1;
-                // Lists may stand as far to the left as the name.
-                let is_list = self.peek().is_some_and(|next| next.indent == indent && is_item(next.text));
-                self.nested(if is_list { indent } else { indent + 1 }, line.number, depth)?
-            } else {
-                self.inline(Line { text: content, start: line.start + shift, ..line }, depth)?
-            };
-            // Two files in one may both say the same.
-            let first = known.get(&key).and_then(|&first: &usize| entries.get(first));
-            if first.is_some_and(|(_, first)| *first != node) {
-                let name = shortened(&key);
-                return Err(Error::DuplicateName { place: self.place(line.number), what: "key", name });
-            }
-            if first.is_none() {
-                known.insert(key.clone(), entries.len());
-                entries.push((key, node));
-            }
-        }
-        Ok(entries)
-    }
-
-    /// The lines that stand at least that far to the right; an empty text where there are none.
-    fn nested(&mut self, least: usize, line: usize, depth: usize) -> Result<Node, Error> {
-        match self.peek().filter(|next| next.indent >= least) {
-            Some(next) => self.block(next.indent, depth + 1),
-            None => Ok(Node { line, value: Value::Scalar(String::new()) }),
-        }
-    }
-
-    /// A value that begins in a line: a text, or brackets that may end in a later line.
-    fn inline(&mut self, line: Line<'a>, depth: usize) -> Result<Node, Error> {
-        if !line.text.starts_with(['[', '{', '"', '\'']) {
-            self.at += 1;
-            return Ok(Node { line: line.number, value: Value::Scalar(plain(line.text).to_owned()) });
-        }
-        let rest = self.text.get(line.start..).unwrap_or_default();
-        let mut flow = Flow { reader: self, rest, line: line.number };
-        let node = flow.value(depth + 1)?;
-        let (rest, end) = (flow.rest, flow.line);
-        let after = rest.lines().next().unwrap_or_default().trim();
-        if !after.is_empty() && !after.starts_with('#') {
-            let found = format!("`{}`", shortened(after));
-            return Err(Error::Syntax { place: self.place(end), found, expected: "the end of the line".into() });
-        }
-        while self.peek().is_some_and(|line| line.number <= end) {
-            self.at += 1;
-        }
-        Ok(node)
-    }
-}
-
-fn is_item(text: &str) -> bool {
-    text == "-" || text.starts_with("- ")
-}
-
-/// The name that a line begins with, and what follows its colon.
-fn key_of(text: &str) -> Option<(String, &str)> {
-    let (key, after) = match text.strip_prefix('"') {
-        Some(quoted) => {
-            let (key, after) = quoted.split_once('"')?;
-            (key, after.trim_start().strip_prefix(':')?)
-        }
-        None if text.starts_with(['[', '{', '\'', '#']) => return None,
-        None => text.split_once(": ").or_else(|| Some((text.strip_suffix(':')?, "")))?,
-    };
-    Some((key.trim().to_owned(), after.trim_start()))
-}
-
-/// What follows a tag like `!!opencv-matrix`.
-fn without_tag(text: &str) -> &str {
-    if !text.starts_with('!') {
-        return text;
-    }
-    text.find(' ').and_then(|end| text.get(end..)).unwrap_or_default().trim_start()
-}
-
-/// A text without quotes, up to a comment.
-fn plain(text: &str) -> &str {
-    text.split(" #").next().unwrap_or_default().trim()
-}
-
-/// Values in brackets and quotes.
-struct Flow<'r, 'a> {
-    reader: &'r Reader<'a>,
-    rest: &'a str,
-    line: usize,
-}
-
-impl Flow<'_, '_> {
-    fn skip(&mut self, bytes: usize) {
-        let (skipped, rest) = self.rest.split_at_checked(bytes).unwrap_or((self.rest, ""));
-        self.line += skipped.bytes().filter(|&byte| byte == b'\n').count();
-        self.rest = rest;
-    }
-
-    fn skip_space(&mut self) {
-        self.skip(self.rest.len() - self.rest.trim_start().len());
-    }
-
-    fn take(&mut self, mark: char) -> bool {
-        self.skip_space();
-        let is_there = self.rest.starts_with(mark);
-        if is_there {
-            self.skip(mark.len_utf8());
-        }
-        is_there
-    }
-
-    fn value(&mut self, depth: usize) -> Result<Node, Error> {
-        self.reader.check_depth(depth, self.line)?;
-        self.skip_space();
-        let line = self.line;
-        let value = if self.take('[') {
-            Value::List(self.list(depth)?)
-        } else if self.take('{') {
-            Value::Map(self.map(depth)?)
-        } else {
-            Value::Scalar(self.scalar()?)
-        };
-        Ok(Node { line, value })
-    }
-
-    fn list(&mut self, depth: usize) -> Result<Vec<Node>, Error> {
-        let mut items = vec![];
-        while !self.take(']') {
-            items.push(self.value(depth + 1)?);
-            if !self.take(',') && !self.rest.starts_with(']') {
-                return Err(self.unexpected("an array", "`,` or `]`"));
-            }
-        }
-        Ok(items)
-    }
-
-    fn map(&mut self, depth: usize) -> Result<Vec<(String, Node)>, Error> {
-        let mut entries = vec![];
-        while !self.take('}') {
-            let key = self.scalar()?;
-            if !self.take(':') {
-                return Err(self.unexpected("a map", "`:`"));
-            }
-            entries.push((key, self.value(depth + 1)?));
-            if !self.take(',') && !self.rest.starts_with('}') {
-                return Err(self.unexpected("a map", "`,` or `}`"));
-            }
-        }
-        Ok(entries)
-    }
-
-    fn unexpected(&self, inside: &'static str, expected: &str) -> Error {
-        if self.rest.is_empty() {
-            return self.reader.truncated(inside);
-        }
-        let found = format!("`{}`", shortened(self.rest.lines().next().unwrap_or_default()));
-        Error::Syntax { place: self.reader.place(self.line), found, expected: expected.into() }
-    }
-
-    fn scalar(&mut self) -> Result<String, Error> {
-        self.skip_space();
-        let Some(quote) = self.rest.chars().next().filter(|c| matches!(c, '"' | '\'')) else {
-            let length = self.rest.find([',', ']', '}', ':', '\n']).unwrap_or(self.rest.len());
-            let text = self.rest.get(..length).unwrap_or_default().trim();
-            if text.is_empty() {
-                return Err(self.unexpected("an array", "a value"));
-            }
-            self.skip(length);
-            return Ok(text.to_owned());
-        };
-        let mut text = String::new();
-        let mut chars = self.rest.char_indices().skip(1);
-        while let Some((at, c)) = chars.next() {
-            match c {
-                _ if c == quote => {
-                    self.skip(at + 1);
-                    return Ok(text);
+                for (key, node) in entries {
+                    root.add(name, Node { line: node.line, value: Value::Scalar(key) })?;
+                    root.add(name, node)?;
                 }
-                '\\' if quote == '"' => match chars.next() {
-                    Some((_, 'n')) => text.push('\n'),
-                    Some((_, 't')) => text.push('\t'),
-                    Some((_, 'r')) => text.push('\r'),
-                    Some((_, c)) => text.push(c),
-                    None => break,
-                },
-                c => text.push(c),
             }
+            _ => {}
         }
-        Err(self.reader.truncated("a string"))
     }
+    Ok(root.node)
 }
 
 #[cfg(test)]

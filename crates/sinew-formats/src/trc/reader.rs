@@ -13,12 +13,11 @@ use crate::{Error, Place, Warning};
 /// that goes back, and a frame count that the file cannot hold.
 pub fn read(name: &str, text: &str) -> Result<Trc, Error> {
     let mut lines = numbered_lines(text).skip_while(|(_, line)| line.trim().is_empty()).peekable();
-    let end =
-        |what: &str| Error::Syntax { place: Place::file(name), found: "the file ends".into(), expected: what.into() };
+    let end = |what: &str| Place::file(name).syntax("the file ends", what);
     let (number, first) = lines.next().ok_or_else(|| end("a line `PathFileType …`"))?;
     if !first.trim_start().starts_with("PathFileType") {
         let place = Place::file(name).at_line(number);
-        return Err(Error::Syntax { place, found: quote(first), expected: "a line `PathFileType …`".into() });
+        return Err(place.syntax(quote(first), "a line `PathFileType …`"));
     }
     let file_name = cells(first).get(3).copied().filter(|cell| !cell.is_empty()).unwrap_or(name).to_owned();
     let (_, keys) = lines.next().ok_or_else(|| end("the line `DataRate CameraRate …`"))?;
@@ -108,8 +107,7 @@ impl Fields<'_> {
     }
 
     fn bad(&self, field: &str, found: &str, expected: &str) -> Error {
-        let (field, found, expected) = (field.into(), shortened(found), expected.into());
-        Error::BadValue { place: self.place(), field, found, expected }
+        self.place().bad_value(field, shortened(found), expected)
     }
 
     fn count(&self, key: &'static str) -> Result<Option<u64>, Error> {
@@ -129,7 +127,7 @@ impl Fields<'_> {
         let rate_hz = match rate {
             Some(text) => finite(|| self.place(), text)?,
             None => {
-                return Err(Error::MissingField { place: self.place(), field: "DataRate".into() });
+                return Err(self.place().lacks("DataRate"));
             }
         };
         if rate_hz <= 0.0 {

@@ -1,5 +1,6 @@
 //! Arrays, read back as [`super::Writer`] writes them.
 
+use super::metadata::chunk_key;
 use crate::Error;
 use crate::json_text;
 use crate::place::Place;
@@ -91,7 +92,7 @@ impl<'a> Parsed<'a> {
     }
 
     fn wrong(&self, found: String, expected: &str) -> Error {
-        Error::Syntax { place: Place::file(self.name), found, expected: expected.into() }
+        Place::file(self.name).syntax(found, expected)
     }
 
     fn refused(&self, key: &str, expected: &str) -> Error {
@@ -120,6 +121,9 @@ impl<'a> Parsed<'a> {
         let codecs = self.document["codecs"].as_array();
         if codecs.is_none_or(|codecs| codecs.len() != 1 || codecs[0]["name"] != codec) {
             return Err(self.refused("codecs", &format!("`{codec}` alone, without compression")));
+        }
+        if self.document["chunk_key_encoding"]["configuration"]["separator"] != "." {
+            return Err(self.refused("chunk_key_encoding", "the separator `.`"));
         }
         let grid = Grid { parsed: self, shape: &shape, cut: &cut };
         let values = match kind {
@@ -181,15 +185,11 @@ impl Grid<'_> {
         else {
             return Err(parsed.refused("shape", "fewer numbers"));
         };
-        // Stores of former versions have a folder for each dimension.
-        let separator = &parsed.document["chunk_key_encoding"]["configuration"]["separator"];
-        let separator = if separator == "." { "." } else { "/" };
         let mut values = vec![fill; total];
         let grid: Vec<usize> = shape.iter().zip(cut).map(|(size, cut)| size.div_ceil(*cut)).collect();
         for number in 0..product(&grid).unwrap_or(0) {
             let at = places(number, &grid);
-            let key = std::iter::once("c".to_owned()).chain(at.iter().map(usize::to_string));
-            let key = key.collect::<Vec<_>>().join(separator);
+            let key = chunk_key(at.iter().copied());
             let Some(bytes) = chunk(&key)? else { continue };
             let decoded = decode(&bytes, in_chunk)
                 .map_err(|due| parsed.wrong(format!("chunk {key} has {} bytes", bytes.len()), &due))?;
@@ -283,19 +283,6 @@ mod tests {
     }
 
     #[test]
-    fn stores_of_former_versions_are_read() {
-        let mut store = written(70);
-        let chunks: Vec<String> = store.0.keys().filter(|key| key.contains("place/c.")).cloned().collect();
-        for key in chunks {
-            let bytes = store.0.remove(&key).unwrap();
-            let (path, places) = key.split_once("/c.").unwrap();
-            store.0.insert(format!("{path}/c/{}", places.replace('.', "/")), bytes);
-        }
-        let found = read(&store, |document| document.replace("\"separator\": \".\"", "\"separator\": \"/\"")).unwrap();
-        assert_eq!(found, read(&written(70), |document| document).unwrap());
-    }
-
-    #[test]
     fn texts_are_read_with_their_lengths() {
         let bytes = b"\x02\0\0\0\x01\0\0\0a\x03\0\0\0b\xc3\xa4";
         assert_eq!(texts(bytes, 2).unwrap(), ["a", "b\u{e4}"]);
@@ -308,6 +295,7 @@ mod tests {
         let refused = |from: &str, to: &str| read(&store, |text| text.replace(from, to)).unwrap_err().to_string();
         assert_eq!(refused("float32", "int8"), "place: `data_type`: \"int8\"; expected float32 or float64");
         assert!(refused("\"bytes\"", "\"gzip\"").contains("without compression"));
+        assert!(refused("\"separator\": \".\"", "\"separator\": \"/\"").contains("expected the separator `.`"));
         assert!(refused("float32", "float64").contains("chunk c.0.0.0 has 48 bytes; expected 96"));
         assert!(refused("\"shape\"", "\"form\"").contains("a list of counts"));
         let huge = read(&store, |text| text.replacen("\"shape\": [\n    2", "\"shape\": [\n    200000000000", 1));

@@ -1,4 +1,4 @@
-//! Recordings of three laboratories against what ezc3d 1.7.2 reads in them (`xtask/peers/c3d_ezc3d.py`).
+//! Recordings of three laboratories against what ezc3d 1.7.2 reads in them (`crates/sinew-studies/peers/c3d_ezc3d.py`).
 //!
 //! Residuals and cameras are the bytes that the format's manual names, which the same script prints: ezc3d
 //! takes the high byte of words for the residual and the low byte for the cameras, and has a point at the origin where

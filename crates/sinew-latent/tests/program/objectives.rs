@@ -4,9 +4,9 @@
 
 use crate::common::{circles, differences, relative_error};
 use sinew_core::lanes::Isa;
+use sinew_core::lbfgs::Objective;
 use sinew_latent::covariance::Covariance;
 use sinew_latent::hgplvm::PlannedNode;
-use sinew_latent::lbfgs::Objective;
 use sinew_latent::model::{LatentModel, RootPrior};
 use sinew_latent::outputs::Preparation;
 use sinew_latent::training::{Config, Landscape, Training, objective};

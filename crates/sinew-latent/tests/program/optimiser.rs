@@ -8,7 +8,7 @@ use crate::standard_problems::reached_by_scipy::{MODELS, ROWS, Row};
 use crate::standard_problems::{Problem, all};
 use proptest::prelude::*;
 use sinew_core::lanes::Isa;
-use sinew_latent::lbfgs::{Lbfgs, Objective};
+use sinew_core::lbfgs::{Lbfgs, Objective};
 use sinew_latent::outputs::Preparation;
 use sinew_latent::training::Landscape;
 use sinew_latent::{gpdm, gplvm};

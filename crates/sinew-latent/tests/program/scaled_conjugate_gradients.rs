@@ -3,7 +3,7 @@
 //! Møller, *A scaled conjugate gradient algorithm for fast supervised learning*, Neural Networks 6 (1993), 525–533; the numbers in the comments are the steps of the algorithm box. Instead of a line search, the curvature δ along the
 //! direction p is a difference of gradients, made positive by a trust parameter λ that grows where the quadratic model fails.
 
-use sinew_latent::lbfgs::Objective;
+use sinew_core::lbfgs::Objective;
 
 /// What a minimisation reached.
 pub struct Reached {

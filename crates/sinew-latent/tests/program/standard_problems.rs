@@ -10,7 +10,7 @@ mod any_dimension;
 mod fixed_dimension;
 pub mod reached_by_scipy;
 
-use sinew_latent::lbfgs::Objective;
+use sinew_core::lbfgs::Objective;
 
 /// Gives residual i (from 0) at x and writes its gradient to the row, which holds zeros before.
 pub type Residual = fn(usize, &[f64], &mut [f64]) -> f64;

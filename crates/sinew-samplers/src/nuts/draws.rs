@@ -4,7 +4,7 @@ use super::step::step;
 use super::transition::{Nuts, TreeTransition};
 use super::trees::Trees;
 use crate::Error;
-use crate::chains::{ChainDraws, Lockstep, Schedule, gather, run_blocks};
+use crate::chains::{ChainDraws, Lockstep, Schedule, active, gather, run_blocks, width};
 use crate::dual_averaging::DualAveraging;
 use crate::hmc::Update;
 use sinew_core::density::GradLogDensity;
@@ -53,12 +53,16 @@ impl Forest {
             divergent: [false; LANES],
             energy: Block::ZERO,
             factor: Block::ZERO,
+            leapfrog_steps: [0; LANES],
+            depth: [0; LANES],
         });
         update.acceptance.0[lane] = tree.acceptance;
         update.accepted[lane] = tree.moved;
         update.divergent[lane] = tree.divergent;
         update.energy.0[lane] = tree.energy;
         update.factor.0[lane] = tree.factor;
+        update.leapfrog_steps[lane] = tree.leapfrog_steps as u32;
+        update.depth[lane] = tree.depth as u32;
         if r >= burn_in {
             let position = trees.position();
             let kept = &mut self.chains.kept[(r - burn_in) * position.len()..][..position.len()];
@@ -109,7 +113,7 @@ fn grow<T: GradLogDensity + ?Sized>(
 ///
 /// # Errors
 /// [`Error::Empty`], [`Error::OutOfRange`] for a schedule that keeps nothing, [`Error::BadStart`].
-pub fn draw<T: GradLogDensity + ?Sized>(
+pub fn draw_trees<T: GradLogDensity + ?Sized>(
     target: &T,
     nuts: &Nuts,
     starts: &[Block],
@@ -119,17 +123,17 @@ pub fn draw<T: GradLogDensity + ?Sized>(
 ) -> Result<TreeRun, Error> {
     let dim = target.dim();
     let forests = run_blocks(dim, starts, chains, schedule, |start, block| {
-        let active = (chains - block * LANES).min(LANES);
+        let active = active(starts.len() / dim, chains, block);
         let trees = Trees::new(target, nuts, start.to_vec())?;
         Ok(grow(target, nuts, trees, active, schedule, &mut stage.block(block as u32), |_, _, _| {}))
     })?;
     Ok(collect(dim, chains, schedule, nuts, forests))
 }
 
-/// Runs the chains of a warm-up as [`draw`] does, each with a step size of its own, which `search` seeks. Returns the draws and the average step size of every chain, in units of the step size of `nuts`.
+/// Runs the chains of a warm-up as [`draw_trees`] does, each with a step size of its own, which `search` seeks. Returns the draws and the average step size of every chain, in units of the step size of `nuts`.
 ///
 /// # Errors
-/// As [`draw`].
+/// As [`draw_trees`].
 pub fn adapt<T: GradLogDensity + ?Sized>(
     target: &T,
     nuts: &Nuts,
@@ -141,7 +145,7 @@ pub fn adapt<T: GradLogDensity + ?Sized>(
 ) -> Result<(TreeRun, Vec<f64>), Error> {
     let dim = target.dim();
     let adapted = run_blocks(dim, starts, chains, schedule, |start, block| {
-        let active = (chains - block * LANES).min(LANES);
+        let active = active(starts.len() / dim, chains, block);
         let mut trees = Trees::new(target, nuts, start.to_vec())?;
         trees.scale = Block::splat(search.step_size());
         let mut searches = [search; LANES];
@@ -153,7 +157,9 @@ pub fn adapt<T: GradLogDensity + ?Sized>(
         Ok((forest, searches))
     })?;
     let (forests, searches): (Vec<Forest>, Vec<_>) = adapted.into_iter().unzip();
-    let step_sizes = searches.iter().flatten().take(chains).map(DualAveraging::average).collect();
+    let width = width(starts.len() / dim, chains);
+    let step_sizes =
+        searches.iter().flat_map(|block| &block[..width]).take(chains).map(DualAveraging::average).collect();
     Ok((collect(dim, chains, schedule, nuts, forests), step_sizes))
 }
 

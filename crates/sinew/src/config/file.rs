@@ -5,7 +5,7 @@ use super::value::{Value, from_toml};
 use crate::{Error, files};
 use sinew_formats::nearest::nearest;
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
-use sinew_recording::{Error as RecordingError, Problems};
+use sinew_input::{Error as InputError, Problems};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::de::DeTable;
@@ -33,7 +33,7 @@ pub struct ConfigFile {
 /// [`Error::Io`], and [`Error::Config`] with everything that is wrong in it.
 pub fn read(path: &Path) -> Result<ConfigFile, Error> {
     let text = files::read_text(path, MAX_CONFIG_BYTES).map_err(|error| match error {
-        RecordingError::Format(error) => {
+        InputError::Format(error) => {
             let (file, problem) = (path.display().to_string(), error.to_string());
             let problem = problem.strip_prefix(&format!("{file}: ")).unwrap_or(&problem).to_owned();
             Problems { file, problems: vec![problem] }.into()
@@ -127,7 +127,7 @@ mod tests {
     use super::*;
     use crate::config::value::to_toml;
     use crate::methods::METHODS;
-    use sinew_recording::input::lag::ClockLag;
+    use sinew_input::lag::ClockLag;
 
     fn problems(text: &str) -> Vec<String> {
         parse(text, Path::new("")).unwrap_err()

@@ -9,10 +9,11 @@ use super::values::{Origin, SettingValues};
 use crate::Error;
 use crate::methods::{self, About, LatentUse, METHODS};
 use sinew_formats::nearest::nearest;
-use sinew_recording::Problems;
-use sinew_recording::input::recording::given::GivenRecording;
-use sinew_recording::setup::KnownSetup;
-use sinew_recording::setup::shared_cameras::SharedCameras;
+use sinew_input::Problems;
+use sinew_input::recording::given::GivenRecording;
+use sinew_input::recording::read_frames::ReadFrames;
+use sinew_setup::KnownSetup;
+use sinew_setup::shared_cameras::SharedCameras;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -35,6 +36,8 @@ pub struct Resolved {
     pub(super) values: SettingValues,
     /// Cameras and keypoints in memory, in place of the ones that settings name.
     pub given: Option<Arc<GivenRecording>>,
+    /// What the passes of a run have read of keypoints.
+    pub read_before: Arc<ReadFrames>,
     /// What the file of the setting `setup` holds, where it was read before.
     pub known_setup: Option<Arc<KnownSetup>>,
     /// Cameras that other recordings share, beside what the frames of this one say of them.

@@ -1,14 +1,14 @@
 //! How a recording is tracked.
 
 use crate::methods::{Method, Score, hmc};
-use crate::results::standing_trial::StandingTrial;
 use sinew_angles::Convention;
 use sinew_core::lanes::Isa;
 use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::random_walk::Between;
 use sinew_latent::file::StoredModel;
 use sinew_observe::Noise;
-use sinew_observe::image_score::ImageScore;
+use sinew_observe::silhouettes::image_score::ImageScore;
+use sinew_results::standing_trial::StandingTrial;
 use std::sync::Arc;
 
 /// How to track; the default is the preset for real recordings.

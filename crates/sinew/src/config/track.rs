@@ -5,7 +5,6 @@ use super::settings::Settings;
 use super::value::Value;
 use super::values::Origin;
 use crate::methods::Score;
-use crate::results::standing_trial::StandingTrial;
 use crate::track::error::TrackError;
 use crate::{Error, files};
 use sinew_angles::Convention;
@@ -13,13 +12,15 @@ use sinew_core::lanes::Isa;
 use sinew_dynamics::primitives::file;
 use sinew_dynamics::primitives::model::PrimitiveModel;
 use sinew_dynamics::random_walk::Between;
+use sinew_input::footage::{FootageFiles, Init};
+use sinew_input::lag::ClockLag;
+use sinew_input::recording::given::GivenRecording;
+use sinew_input::recording::read_frames::ReadFrames;
 use sinew_latent::file::StoredModel;
 use sinew_observe::Noise;
-use sinew_recording::input::footage::{FootageFiles, Init};
-use sinew_recording::input::lag::ClockLag;
-use sinew_recording::input::recording::given::GivenRecording;
-use sinew_recording::setup::KnownSetup;
-use sinew_recording::setup::shared_cameras::SharedCameras;
+use sinew_results::standing_trial::StandingTrial;
+use sinew_setup::KnownSetup;
+use sinew_setup::shared_cameras::SharedCameras;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -73,6 +74,8 @@ pub struct TrackConfig {
     pub body: String,
     /// Set-up of an earlier run.
     pub setup: Option<PathBuf>,
+    /// What the passes of a run have read of keypoints.
+    pub read_before: Arc<ReadFrames>,
     /// What that file holds, where it was read before.
     pub known_setup: Option<Arc<KnownSetup>>,
     /// Cameras that other recordings share.
@@ -96,7 +99,7 @@ pub struct TrackConfig {
     /// Threads; as many as the system grants if `None`.
     pub threads: Option<usize>,
     /// Where diagnostics fail.
-    pub limits: crate::results::Limits,
+    pub limits: sinew_results::Limits,
     /// Output folder.
     pub out: PathBuf,
     /// Seconds between checkpoints.
@@ -145,6 +148,7 @@ impl Resolved {
             up: self.values.text("up"),
             body: self.values.text("body").unwrap_or_default(),
             setup: self.values.path("setup"),
+            read_before: Arc::clone(&self.read_before),
             known_setup: self.known_setup.clone(),
             shared_cameras: self.shared_cameras.clone(),
             setup_frames: self.values.frames("setup_frames"),
@@ -156,7 +160,7 @@ impl Resolved {
             tracking: self.settings(),
             simd: self.values.text("simd"),
             threads: self.values.count("threads").map(|threads| usize::try_from(threads).unwrap_or(usize::MAX)),
-            limits: crate::results::Limits {
+            limits: sinew_results::Limits {
                 r_hat: self.values.number("max_r_hat").unwrap_or(f64::INFINITY),
                 r_hat_share: self.values.number("max_r_hat_share").unwrap_or(1.0),
                 divergent_share: self.values.number("max_divergent_share").unwrap_or(1.0),

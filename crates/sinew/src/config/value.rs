@@ -2,8 +2,8 @@
 
 use super::setting::{Setting, SettingKind};
 use sinew_formats::nearest::nearest;
-use sinew_recording::input::lag::{ClockLag, LagTextError, MOST_FRAMES, MOST_PPM};
-use sinew_recording::input::up_axis::direction;
+use sinew_input::lag::{ClockLag, LagTextError, MOST_FRAMES, MOST_PPM};
+use sinew_input::up_axis::direction;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use toml::de::DeValue;

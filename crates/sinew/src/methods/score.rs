@@ -1,6 +1,6 @@
 //! Weighting functions of silhouettes by name.
 
-use sinew_observe::image_score::ImageScore;
+use sinew_observe::silhouettes::image_score::ImageScore;
 
 /// Weighting functions of images that the program offers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -18,10 +18,10 @@ use super::pipeline;
 use crate::Error;
 use crate::files::read_bytes;
 use crate::input::upright::FramesRead;
-use crate::results::folder::write_whole_in;
-use crate::results::problem::{FORMAT, NAME, Problem, state};
-use crate::results::{Claim, Position, Written};
 use serde::{Deserialize, Serialize};
+use sinew_results::folder::write_whole_in;
+use sinew_results::problem::{FORMAT, NAME, Problem, state};
+use sinew_results::{Claim, Position, Written};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
@@ -122,16 +122,16 @@ impl Checkpoint {
 /// Reads the checkpoint of a folder.
 ///
 /// # Errors
-/// [`Error::Checkpoint`] and [`Error::Io`].
+/// [`sinew_results::Error::Checkpoint`] and [`Error::Io`].
 pub fn read(folder: &Path) -> Result<Checkpoint, Error> {
     let path = folder.join(NAME);
     if !path.exists() {
-        return Err(Error::checkpoint(folder, Problem::Missing));
+        return Err(sinew_results::Error::checkpoint(folder, Problem::Missing).into());
     }
     let bytes = read_bytes(&path, MOST_BYTES)?;
-    let checkpoint = Checkpoint::decode(&bytes).map_err(|problem| Error::checkpoint(folder, problem))?;
+    let checkpoint = Checkpoint::decode(&bytes).map_err(|problem| sinew_results::Error::checkpoint(folder, problem))?;
     if checkpoint.program != env!("CARGO_PKG_VERSION") {
-        return Err(Error::checkpoint(folder, Problem::Program { found: checkpoint.program }));
+        return Err(sinew_results::Error::checkpoint(folder, Problem::Program { found: checkpoint.program }).into());
     }
     Ok(checkpoint)
 }
@@ -143,7 +143,7 @@ pub fn read(folder: &Path) -> Result<Checkpoint, Error> {
 pub(crate) fn write(claim: &Claim, checkpoint: &Checkpoint) -> Result<(), Error> {
     // The names of the files that it speaks of before its own.
     claim.storage().sync(claim.folder()).map_err(Error::io("write", claim.folder()))?;
-    write_whole_in(claim.storage(), &claim.folder().join(NAME), &checkpoint.encode()?)
+    Ok(write_whole_in(claim.storage(), &claim.folder().join(NAME), &checkpoint.encode()?)?)
 }
 
 impl Checkpoint {

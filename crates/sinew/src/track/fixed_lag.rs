@@ -11,14 +11,14 @@ use super::pipeline::Pipeline;
 use super::record::{Record, RecordShape};
 use super::trajectories::TrajectoryDescriber;
 use crate::Error;
-use crate::results::estimate::FrameEstimate;
-use crate::results::problem::{self, Problem};
 use sinew_angles::fixed_lag::half_window;
 use sinew_angles::trajectory_change::{change_between, window_around};
 use sinew_body::KinematicTree;
 use sinew_core::lanes::Isa;
 use sinew_dynamics::backward_pass::{BackwardPass, FrameNumbers};
 use sinew_dynamics::smoother::{BackwardStep, Smoother};
+use sinew_results::estimate::FrameEstimate;
+use sinew_results::problem::{self, Problem};
 use std::collections::{BTreeMap, VecDeque};
 use std::ops::Range;
 

@@ -33,16 +33,16 @@ use super::pipeline::Pipeline;
 use crate::Error;
 use crate::config::Resolved;
 use crate::input::source::FrameSource;
-use crate::results::{Claim, ResultFolder};
 use crate::setup::shared_cameras::CameraInformation;
 use backward::smoothed;
 use begin::{Begun, begun, resumed};
 use colours::compared_colours;
 use ending::{Clock, Finish};
 use forward::forward;
-use inputs::{Hashes, Inputs, file_hashes};
+use inputs::{file_hashes, hashes};
 use keeper::Keeper;
 use run_info::run_info;
+use sinew_results::{Claim, ResultFolder};
 use std::ops::Range;
 
 /// A set-up that was made alone.
@@ -69,26 +69,23 @@ pub fn set_up<S: FrameSource>(source: &mut S, resolved: &Resolved, watch: &mut W
 
 /// Tracks the frames of a source into a claimed folder, from the first on or from where a run was stopped.
 ///
-/// `inputs` gives the warnings of the source and the hashes of what was read of it so far.
-///
 /// # Errors
-/// Errors of the source, the set-up, the tracker and the disk; [`Error::Checkpoint`] where the run that was stopped is another one.
+/// Errors of the source, the set-up, the tracker and the disk; [`sinew_results::Error::Checkpoint`] where the run that was stopped is another one.
 pub fn track<S: FrameSource>(
     source: &mut S,
     setup_frames: Range<u64>,
     resolved: &Resolved,
     claim: Claim,
     watch: &mut Watch<'_>,
-    inputs: impl Fn(&S) -> (Vec<String>, Hashes),
     from: Option<Checkpoint>,
 ) -> Result<Outcome, Error> {
     let mut clock = Clock::started();
     let config = resolved.track();
     let settings = config.settings()?;
-    let inputs = Inputs { hash_source: inputs, settings_hashes: file_hashes(resolved)? };
+    let of_settings = file_hashes(resolved)?;
     let folder = claim.folder().to_owned();
     let Begun { mut source, setup, checkpoint, .. } = match from {
-        Some(from) => resumed(source, from, resolved, &settings, &inputs, &folder, watch)?,
+        Some(from) => resumed(source, from, resolved, &settings, &of_settings, &folder, watch)?,
         None => begun(source, setup_frames, resolved, &config, &settings, watch)?,
     };
     clock.set_up_is_done();
@@ -97,7 +94,7 @@ pub fn track<S: FrameSource>(
     let mut pipeline =
         Pipeline::with_images(&setup, &tree, &cameras, source.layout(), settings.clone(), image_cameras.as_deref())?;
     match &checkpoint.pipeline {
-        Some(state) => pipeline.restore(state).map_err(|problem| Error::checkpoint(&folder, problem))?,
+        Some(state) => pipeline.restore(state).map_err(|problem| sinew_results::Error::checkpoint(&folder, problem))?,
         None => ResultFolder::forget(&claim)?,
     }
     let (frames, before) = (source.frames(), checkpoint.done);
@@ -105,10 +102,10 @@ pub fn track<S: FrameSource>(
     let info = run_info(&config, &settings, &setup, &pipeline, cameras, frames.start, setup_toml);
     let mut keeper = Keeper::open(claim, info, checkpoint, &config, &pipeline)?;
     if keeper.checkpoint.pipeline.is_none() {
-        keeper.keep(&pipeline, source.read(), inputs.hashes(source.source()))?;
+        keeper.keep(&pipeline, source.read(), hashes(&source, &of_settings))?;
     }
     let total = frames.end - frames.start;
-    let tracked = forward(&mut keeper, &mut pipeline, &mut source, &inputs, watch)?;
+    let tracked = forward(&mut keeper, &mut pipeline, &mut source, &of_settings, watch)?;
     keeper.take_rest(|_| ())?;
     clock.tracking_is_done();
     let Keeper { mut results, spool, checkpoint, .. } = keeper;
@@ -119,7 +116,7 @@ pub fn track<S: FrameSource>(
     let done = checkpoint.done - before;
     let complete = written == total && tracked.is_ok();
     let finish = Finish { complete, warnings: checkpoint.warnings, before, done };
-    let summary = finish.summary(results, &pipeline, &inputs, source.source(), &config, &clock)?;
+    let summary = finish.summary(results, &pipeline, &of_settings, &source, &config, &clock)?;
     tracked?;
     let colours = compared_colours(&setup, &source, &settings);
     Ok(Outcome { summary, ms_per_frame: clock.ms_per_frame(done), body: tree, girth: setup.girth, colours })

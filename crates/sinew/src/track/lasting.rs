@@ -23,11 +23,11 @@ use sinew_dynamics::lasting_draws::LastingMoves;
 use sinew_dynamics::linearised_filter::LinearisedFilter;
 use sinew_dynamics::motion_prior::MotionPrior;
 use sinew_dynamics::persistent_errors::{Persistence, PersistentErrors, root};
-use sinew_observe::drawn_errors::DrawnErrors;
-use sinew_observe::lasting_errors::{
+use sinew_observe::clocks::point_velocity::RunningVelocities;
+use sinew_observe::lasting::drawn_errors::DrawnErrors;
+use sinew_observe::lasting::lasting_errors::{
     LastingErrors, linearised_detections, pixels_per_metre, pose_information, whitened_rows,
 };
-use sinew_observe::point_velocity::RunningVelocities;
 use sinew_observe::{Camera, KeypointModel};
 use sinew_tracking::StepInfo;
 use sinew_tracking::moved::{Moved, Rows};

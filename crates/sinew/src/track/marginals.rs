@@ -3,11 +3,11 @@
 //! Quantiles are taken of the weighted draws: the least value at which the cumulated weight reaches p. A body of unknown size before one camera has draws of all
 //! sizes ([`UnknownSize`]); where the lengths of the body are known up to an error, its points move with them ([`Moved`]).
 
-use crate::results::estimate::{PointMarginal, StateMarginal};
 use crate::setup::unknown_size::UnknownSize;
 use rayon::prelude::*;
 use sinew_body::{KinematicTree, Plan, point_positions_block};
 use sinew_core::lanes::{Block, Isa, LANES};
+use sinew_results::estimate::{PointMarginal, StateMarginal};
 use sinew_tracking::moved::{Moved, add_row};
 use sinew_tracking::posterior::Posterior;
 use sinew_tracking::series::{describe, moments};

@@ -17,7 +17,7 @@ pub(super) struct Noted {
 }
 
 impl Noted {
-    /// What was seen of the person ([`crate::results::estimate::FrameEstimate::seen`]).
+    /// What was seen of the person ([`sinew_results::estimate::FrameEstimate::seen`]).
     pub(super) fn seen(&self) -> Vec<[f64; 3]> {
         let one = |d: &Option<Detection>| d.map_or([f64::NAN; 3], |d| [d.pixel[0], d.pixel[1], d.confidence]);
         self.shown.detections.iter().flatten().map(one).collect()

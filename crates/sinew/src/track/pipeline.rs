@@ -5,7 +5,7 @@
 //! For each frame, in order of their numbers:
 //!
 //! 1. the tracked person is found in each view, near to where the last pose projects ([`sinew_observe::association`]);
-//! 2. the keypoints become the points of the body, and are bound to a likelihood at the predicted pose ([`sinew_observe::keypoint_likelihood`]), images likewise;
+//! 2. the keypoints become the points of the body, and are bound to a likelihood at the predicted pose ([`sinew_observe::keypoints::keypoint_likelihood`]), images likewise;
 //! 3. the tracker steps ([`sinew_tracking::run`]);
 //! 4. beside the next step, its draws, moved by draws of what is constant over the run, become marginals of points and angles.
 //!
@@ -25,8 +25,6 @@ use crate::Error;
 use crate::config::settings::Settings;
 use crate::input::source::FrameSource;
 use crate::methods::{FrameLikelihood, Gives, Making};
-use crate::results::estimate::{Carried, FrameEstimate};
-use crate::results::problem::{self, Problem};
 use crate::setup::Setup;
 use crate::setup::unknown_size::UnknownSize;
 use serde::{Deserialize, Serialize};
@@ -37,9 +35,11 @@ use sinew_core::random::Stage;
 use sinew_dynamics::motion_prior::MotionPrior;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
-use sinew_observe::solid_body::part_tree;
-use sinew_recording::predictive::Doubt;
-use sinew_recording::silhouette_overlap::SilhouetteOverlap;
+use sinew_observe::silhouettes::solid_body::part_tree;
+use sinew_results::estimate::{Carried, FrameEstimate};
+use sinew_results::problem::{self, Problem};
+use sinew_setup::predictive::Doubt;
+use sinew_setup::silhouette_overlap::SilhouetteOverlap;
 use sinew_tracking::posterior::Posterior;
 use sinew_tracking::{Harness, Resume as _, StepInfo, run};
 use std::ops::ControlFlow;

@@ -2,10 +2,10 @@
 //!
 //! Diagnostics, what was seen, filtered moments, moves of draws; a row has the same length in all frames of a run.
 
-use crate::results::estimate::{FrameEstimate, diagnostics};
 use sinew_core::transition::Moments;
 use sinew_dynamics::backward_pass::FilteredFrame;
 use sinew_dynamics::smoother::BackwardStep;
+use sinew_results::estimate::{FrameEstimate, diagnostics};
 
 /// Sizes of the rows of a run.
 #[derive(Clone, Copy, Debug)]

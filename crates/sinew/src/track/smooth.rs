@@ -15,14 +15,14 @@ use super::pipeline::Pipeline;
 use super::record::{Record, RecordShape};
 use super::trajectories::TrajectoryDescriber;
 use crate::Error;
-use crate::results::estimate::FrameEstimate;
-use crate::results::{Claim, Disk, PartialFile, Place, Position, Storage, UnsyncedDisk};
 use sinew_angles::fixed_lag::half_window;
 use sinew_angles::marginals::AngleChange;
 use sinew_angles::trajectory_change::{change_between, window_around};
 use sinew_body::KinematicTree;
 use sinew_dynamics::backward_pass::{BackwardPass, FrameNumbers, numbers_of_frame};
 use sinew_dynamics::smoother::Smoother;
+use sinew_results::estimate::FrameEstimate;
+use sinew_results::{Claim, Disk, PartialFile, Place, Position, Storage, UnsyncedDisk};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -63,7 +63,7 @@ impl Spool {
     /// A spool in a claimed folder: an empty one, or what a stopped run had `written`.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::Checkpoint`] for a file that is not as it was left.
+    /// [`Error::Io`]; [`sinew_results::Error::Checkpoint`] for a file that is not as it was left.
     pub fn open(claim: &Claim, sizes: [usize; 4], written: Option<(u64, Position)>) -> Result<Self, Error> {
         // It is read at places, and larger than what is kept in memory.
         let unsynced = || Arc::new(UnsyncedDisk) as Arc<dyn Storage>;

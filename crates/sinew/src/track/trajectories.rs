@@ -3,11 +3,11 @@
 use super::lasting::Lasting;
 use super::marginals::{Described, Marginals};
 use super::pipeline::Pipeline;
-use crate::results::estimate::{Draws, FrameEstimate};
 use sinew_angles::AngleMarginals;
 use sinew_angles::marginals::AngleChange;
 use sinew_body::KinematicTree;
 use sinew_dynamics::backward_pass::{FrameNumbers, TRAJECTORIES, state_blocks};
+use sinew_results::estimate::{Draws, FrameEstimate};
 use sinew_tracking::moved::Moved;
 use sinew_tracking::posterior::Posterior;
 

@@ -2,6 +2,15 @@
 
 use std::collections::BTreeMap;
 
+/// The modules that are reached from a root file; the root is number 0.
+#[derive(Debug, Default)]
+pub struct Tree {
+    /// Paths of the files.
+    pub files: Vec<String>,
+    /// All modules, inline ones too.
+    pub modules: Vec<Module>,
+}
+
 /// A module: a file, or an inline one.
 #[derive(Debug, Default)]
 pub struct Module {
@@ -13,10 +22,8 @@ pub struct Module {
     pub names: BTreeMap<String, Vec<Meaning>>,
     /// Paths of which all names are imported.
     pub globs: Vec<Vec<String>>,
-    /// What it mentions.
+    /// Paths that it mentions.
     pub mentions: Vec<Mention>,
-    /// Words that are no part of a path, with their first line.
-    pub words: BTreeMap<String, usize>,
 }
 
 /// What a name in a module stands for.
@@ -35,36 +42,14 @@ pub enum Meaning {
 pub struct Mention {
     /// Its segments.
     pub path: Vec<String>,
-    /// Line from 1.
-    pub line: usize,
-    /// Where it stands.
-    pub kind: Kind,
-}
-
-/// Where a path stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// In code.
-    Code,
-    /// In a `use` for this module alone.
-    Import,
-    /// In a `use` that others see.
-    Export,
-}
-
-/// The modules that are reached from a root file; the root is number 0.
-#[derive(Debug, Default)]
-pub struct Tree {
-    /// Paths of the files.
-    pub files: Vec<String>,
-    /// All modules, inline ones too.
-    pub modules: Vec<Module>,
+    /// Whether it stands in a `use` for this module alone.
+    pub is_import: bool,
 }
 
 impl Tree {
     /// Adds a module that another declares; returns its number.
-    pub fn add(&mut self, child: Module, parent: usize, name: &str) -> usize {
-        self.modules.push(child);
+    pub fn add(&mut self, file: usize, parent: usize, name: &str) -> usize {
+        self.modules.push(Module { file, parent: Some(parent), ..Module::default() });
         let number = self.modules.len() - 1;
         self.modules[parent].names.entry(name.to_owned()).or_default().push(Meaning::Module(number));
         number

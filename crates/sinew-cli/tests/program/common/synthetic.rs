@@ -8,10 +8,11 @@ use sinew::input::in_memory::InMemory;
 use sinew::input::source::FrameSource;
 use sinew::observe::Camera;
 use sinew::observe::association::Person;
-use sinew::results::{Claim, claim, claim_to_resume};
 use sinew::track::checkpoint::{self, Checkpoint};
 use sinew::track::job::{self, Outcome, RunPhase, Watch};
-use sinew::{Error, RecordingError, setup};
+use sinew::{Error, setup};
+use sinew_input::Error as InputError;
+use sinew_results::{Claim, claim, claim_to_resume};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use std::collections::BTreeMap;
@@ -69,7 +70,7 @@ impl FrameSource for Source<'_> {
     fn frames(&self) -> std::ops::Range<u64> {
         self.recording.frames()
     }
-    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, RecordingError> {
+    fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, InputError> {
         self.recording.people(number)
     }
     fn image_cameras(&self) -> Option<Vec<Camera>> {
@@ -82,7 +83,7 @@ impl FrameSource for Source<'_> {
         };
         numbers.clone().filter(has_pictures).collect()
     }
-    fn frame(&mut self, number: u64) -> Result<Frame, RecordingError> {
+    fn frame(&mut self, number: u64) -> Result<Frame, InputError> {
         let Some(images) = self.images else {
             return Ok(Frame { people: self.people(number)?, ..Frame::default() });
         };
@@ -203,8 +204,7 @@ impl Whole {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let mut watch = Watch { progress: &mut progress, stop: &flag };
-            let inputs = |_: &Source<'_>| (vec![], BTreeMap::new());
-            job::track(&mut source, 0..self.frames, &resolved, claim, &mut watch, inputs, from)
+            job::track(&mut source, 0..self.frames, &resolved, claim, &mut watch, from)
         })
     }
 

@@ -1,11 +1,11 @@
 //! Recorded walks on disk, and the program that learns from them.
 
 use super::Trial;
+use sinew::body::points::points_of_states;
 use sinew_motion::follow::NamedBody;
-use sinew_motion::points::points_of_states;
+use sinew_motion::learn::motion_files::MotionFiles;
 use sinew_simulate::recording::write_trc;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
-use sinew_tools::learn::motion_files::MotionFiles;
 use std::fs;
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! What the L-BFGS-B of scipy reaches on the standard problems, and on a GPLVM.
 //!
-//! Printed by `python3 xtask/peers/scipy_lbfgs.py`, which holds the residuals a second time and takes their derivatives by complex steps.
+//! Printed by `python3 crates/sinew-studies/peers/scipy_lbfgs.py`, which holds the residuals a second time and takes their derivatives by complex steps.
 
 /// Name and dimension, value at the start, value reached, evaluations.
 pub type Row = (&'static str, f64, f64, usize);

@@ -2,10 +2,10 @@
 
 use super::watch::{RunPhase, Watch};
 use crate::Error;
-use crate::results::ResultFolder;
 use crate::track::pipeline::Pipeline;
 use crate::track::smooth::{Spool, smooth};
 use sinew_body::KinematicTree;
+use sinew_results::ResultFolder;
 use std::ops::ControlFlow;
 use std::sync::atomic::Ordering;
 

@@ -3,14 +3,14 @@
 //! A set-up of an earlier run is checked for whether it belongs to the recording.
 
 use super::colours::colour_warning;
-use super::inputs::{Hashes, Inputs};
+use super::inputs::hashes;
 use super::level::{levelled, place_at_start};
 use super::watch::{RunPhase, Watch};
 use crate::config::Resolved;
 use crate::config::TrackConfig;
 use crate::config::settings::Settings;
 use crate::config::track::DEFAULT_FPS;
-use crate::input::source::FrameSource;
+use crate::input::source::{FrameSource, InputHashes};
 use crate::input::up_axis::axis_before_turning;
 use crate::input::upright::Upright;
 use crate::setup::shared_cameras::CameraInformation;
@@ -20,7 +20,7 @@ use crate::track::error::TrackError;
 use crate::track::step_size::tune;
 use crate::{Error, bodies, files};
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
-use sinew_recording::Problems;
+use sinew_input::Problems;
 use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
@@ -91,11 +91,11 @@ pub(super) fn resumed<'a, S: FrameSource>(
     checkpoint: Checkpoint,
     resolved: &Resolved,
     settings: &Settings,
-    inputs: &Inputs<impl Fn(&S) -> (Vec<String>, Hashes)>,
+    of_settings: &InputHashes,
     folder: &Path,
     watch: &mut Watch<'_>,
 ) -> Result<Begun<'a, S>, Error> {
-    let refused = |problem| Error::checkpoint(folder, problem);
+    let refused = |problem| sinew_results::Error::checkpoint(folder, problem);
     checkpoint.check_settings(&resolved.numeric_settings(), settings.isa.name()).map_err(refused)?;
     let setup = Setup::from_toml("setup.toml of the checkpoint", &checkpoint.setup_toml)?;
     let mut source = Upright::new(source, &setup.world_up);
@@ -104,7 +104,7 @@ pub(super) fn resumed<'a, S: FrameSource>(
         (watch.progress)(RunPhase::Check, done, total);
         watch.check("before tracking went on; nothing was changed")
     })?;
-    checkpoint.check_inputs(&inputs.hashes(source.source()), &source.frames()).map_err(refused)?;
+    checkpoint.check_inputs(&hashes(&source, of_settings), &source.frames()).map_err(refused)?;
     Ok(Begun { source, setup, checkpoint, said_of_cameras: None })
 }
 

@@ -1,14 +1,14 @@
 //! Results that are complete: whether they belong to the run that is requested.
 
 use super::begin::LOOKED_AT;
-use super::inputs::{Hashes, file_hashes};
+use super::inputs::{file_hashes, hashes};
 use super::watch::{RunPhase, Watch};
 use crate::Error;
 use crate::config::Resolved;
 use crate::input::source::FrameSource;
-use crate::results::problem::Problem;
 use crate::track::checkpoint::Checkpoint;
 use serde_json::Value;
+use sinew_results::problem::Problem;
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
@@ -35,10 +35,10 @@ fn replay<S: FrameSource>(source: &mut S, set_up: Range<u64>, watch: &mut Watch<
     Ok(())
 }
 
-/// Reads all frames of a source again, and refuses a `summary.json` of other settings, another instruction set, other frames or other data; `inputs` gives the hashes of what was read of the source so far.
+/// Reads all frames of a source again, and refuses a `summary.json` of other settings, another instruction set, other frames or other data.
 ///
 /// # Errors
-/// [`Error::Checkpoint`] with all that differs; errors of the source; [`Error::Interrupted`].
+/// [`sinew_results::Error::Checkpoint`] with all that differs; errors of the source; [`Error::Interrupted`].
 pub fn check_complete<S: FrameSource>(
     source: &mut S,
     setup_frames: Range<u64>,
@@ -46,11 +46,10 @@ pub fn check_complete<S: FrameSource>(
     folder: &Path,
     summary: &Value,
     watch: &mut Watch<'_>,
-    inputs: impl Fn(&S) -> Hashes,
 ) -> Result<(), Error> {
-    let refused = |problem| Error::checkpoint(folder, problem);
+    let refused = |problem| sinew_results::Error::checkpoint(folder, problem);
     let Some(end) = Ended::of(summary) else {
-        return Err(refused(Problem::Summary));
+        return Err(refused(Problem::Summary).into());
     };
     let run = Checkpoint {
         settings: Resolved::numeric_settings_in(&summary["settings"]),
@@ -68,9 +67,7 @@ pub fn check_complete<S: FrameSource>(
         None => setup_frames,
     };
     replay(source, set_up, watch)?;
-    let mut hashes = inputs(source);
-    hashes.extend(file_hashes(resolved)?);
-    run.check_inputs(&hashes, &frames).map_err(refused)
+    Ok(run.check_inputs(&hashes(source, &file_hashes(resolved)?), &frames).map_err(refused)?)
 }
 
 /// What a summary says of the run that ended.

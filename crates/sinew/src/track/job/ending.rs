@@ -1,12 +1,13 @@
 //! The end of a run: warnings, timings, the summary.
 
-use super::inputs::{Hashes, Inputs};
+use super::inputs::hashes;
 use crate::Error;
 use crate::config::TrackConfig;
-use crate::results::{Ending, ResultFolder, Summary};
+use crate::input::source::{FrameSource, InputHashes};
 use crate::setup::{MeasuredColours, MeasuredGirth};
 use crate::track::pipeline::Pipeline;
 use sinew_body::KinematicTree;
+use sinew_results::{Ending, ResultFolder, Summary};
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
@@ -81,24 +82,24 @@ pub(super) struct Finish {
 
 impl Finish {
     /// Finishes the folder.
-    pub(super) fn summary<S>(
+    pub(super) fn summary<S: FrameSource>(
         self,
         results: ResultFolder,
         pipeline: &Pipeline,
-        inputs: &Inputs<impl Fn(&S) -> (Vec<String>, Hashes)>,
+        of_settings: &InputHashes,
         source: &S,
         config: &TrackConfig,
         clock: &Clock,
     ) -> Result<Summary, Error> {
-        let warnings = inputs.warnings(source).into_iter().chain(self.warnings).chain(pipeline.warnings());
-        results.finish(&Ending {
+        let warnings = source.warnings().into_iter().chain(self.warnings).chain(pipeline.warnings());
+        Ok(results.finish(&Ending {
             complete: self.complete,
             warnings: distinct(warnings),
-            input_hashes: inputs.hashes(source),
+            input_hashes: hashes(source, of_settings),
             coverage: pipeline.coverage().to_vec(),
             limits: config.limits,
             timings: clock.timings(self.before, self.done),
-        })
+        })?)
     }
 }
 

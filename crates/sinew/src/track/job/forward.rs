@@ -1,13 +1,13 @@
 //! The forward pass of a run: frames are tracked and written, with a checkpoint at fixed intervals.
 
-use super::inputs::{Hashes, Inputs};
+use super::inputs::hashes;
 use super::keeper::Keeper;
 use super::watch::{RunPhase, Watch};
 use crate::Error;
-use crate::input::source::FrameSource;
+use crate::input::source::{FrameSource, InputHashes};
 use crate::input::upright::Upright;
-use crate::results::estimate::FrameEstimate;
 use crate::track::pipeline::{KeepFrames, Pipeline};
+use sinew_results::estimate::FrameEstimate;
 use sinew_tracking::posterior::Posterior;
 use std::ops::ControlFlow;
 
@@ -19,7 +19,7 @@ pub(super) fn forward<S: FrameSource>(
     keeper: &mut Keeper,
     pipeline: &mut Pipeline,
     source: &mut Upright<'_, S>,
-    inputs: &Inputs<impl Fn(&S) -> (Vec<String>, Hashes)>,
+    of_settings: &InputHashes,
     watch: &mut Watch<'_>,
 ) -> Result<Result<(), Error>, Error> {
     let (frames, before) = (source.frames(), keeper.checkpoint.done);
@@ -33,7 +33,7 @@ pub(super) fn forward<S: FrameSource>(
             Err(error) if keeper.checkpoint.done == before || error.file().is_some() => return Err(error),
             Err(error) => return Ok(Err(error)),
             Ok(()) if is_last && keeper.spool.is_none() => return Ok(Ok(())),
-            Ok(()) => keeper.keep(pipeline, source.read(), inputs.hashes(source.source()))?,
+            Ok(()) => keeper.keep(pipeline, source.read(), hashes(source, of_settings))?,
         }
         if is_last || watch.is_stopped() {
             return Ok(Ok(()));

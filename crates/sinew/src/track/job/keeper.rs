@@ -1,16 +1,16 @@
 //! The files of a run in progress and the checkpoint behind them.
 
-use super::inputs::Hashes;
 use super::run_info::texts;
 use crate::Error;
 use crate::config::TrackConfig;
+use crate::input::source::InputHashes;
 use crate::input::upright::FramesRead;
-use crate::results::estimate::{FrameEstimate, RunInfo};
-use crate::results::{Claim, ResultFolder};
 use crate::track::checkpoint::{self, Checkpoint};
 use crate::track::fixed_lag::LagWindow;
 use crate::track::pipeline::Pipeline;
 use crate::track::smooth::Spool;
+use sinew_results::estimate::{FrameEstimate, RunInfo};
+use sinew_results::{Claim, ResultFolder};
 use std::time::{Duration, Instant};
 
 /// The files of a run and its checkpoint.
@@ -42,7 +42,7 @@ impl Keeper {
             let saved = checkpoint.window.as_deref().unwrap_or_default();
             let saved: Vec<f64> = saved.iter().map(|bits| f64::from_bits(*bits)).collect();
             let restored = if saved.is_empty() { Ok(()) } else { window.restore(&saved) };
-            restored.map_err(|problem| Error::checkpoint(claim.folder(), problem)).map(|()| window)
+            restored.map_err(|problem| sinew_results::Error::checkpoint(claim.folder(), problem)).map(|()| window)
         });
         let window = window.transpose()?;
         let spool = match config.smooth {
@@ -80,7 +80,7 @@ impl Keeper {
         };
         given.map_or(Ok(()), |estimate| {
             known(&estimate);
-            self.results.append(&estimate)
+            Ok(self.results.append(&estimate)?)
         })
     }
 
@@ -101,7 +101,7 @@ impl Keeper {
     }
 
     /// Writes the checkpoint, behind the files that it speaks of, where a run is ever resumed; `read` is what the set-up read.
-    pub(super) fn keep(&mut self, pipeline: &Pipeline, read: &FramesRead, inputs: Hashes) -> Result<(), Error> {
+    pub(super) fn keep(&mut self, pipeline: &Pipeline, read: &FramesRead, inputs: InputHashes) -> Result<(), Error> {
         if self.results.claim().storage().is_temporary() {
             return Ok(());
         }

@@ -14,16 +14,16 @@
 
 use super::begin::{Begun, begun};
 use super::ending::{Clock, Finish, Outcome};
-use super::inputs::{Hashes, Inputs, file_hashes};
+use super::inputs::file_hashes;
 use super::keeper::Keeper;
 use super::run_info::run_info;
 use super::watch::Watch;
 use crate::Error;
 use crate::config::Resolved;
 use crate::input::source::FrameSource;
-use crate::results::estimate::{FrameEstimate, RunInfo};
-use crate::results::{Claim, ResultFolder};
 use crate::track::pipeline::{KeepFrames, Pipeline};
+use sinew_results::estimate::{FrameEstimate, RunInfo};
+use sinew_results::{Claim, ResultFolder};
 use sinew_tracking::posterior::Posterior;
 use std::ops::Range;
 
@@ -51,13 +51,12 @@ pub fn track_live<S: Arrivals>(
     resolved: &Resolved,
     claim: Claim,
     watch: &mut Watch<'_>,
-    inputs: impl Fn(&S) -> (Vec<String>, Hashes),
     answers: &mut dyn Answers,
 ) -> Result<Option<Outcome>, Error> {
     let mut clock = Clock::started();
     let config = resolved.track();
     let settings = config.settings()?;
-    let inputs = Inputs { hash_source: inputs, settings_hashes: file_hashes(resolved)? };
+    let of_settings = file_hashes(resolved)?;
     let Begun { mut source, setup, checkpoint, .. } = begun(source, setup_frames, resolved, &config, &settings, watch)?;
     let (tree, cameras) = (setup.tree(), source.cameras().to_vec());
     let mut pipeline = Pipeline::new(&setup, &tree, &cameras, source.layout(), settings.clone())?;
@@ -84,7 +83,7 @@ pub fn track_live<S: Arrivals>(
     let Keeper { results, checkpoint, .. } = keeper;
     let done = checkpoint.done;
     let finish = Finish { complete: tracked.is_ok(), warnings: checkpoint.warnings, before: 0, done };
-    let summary = finish.summary(results, &pipeline, &inputs, source.source(), &config, &clock)?;
+    let summary = finish.summary(results, &pipeline, &of_settings, &source, &config, &clock)?;
     tracked?;
     let ms_per_frame = clock.ms_per_frame(done);
     Ok(Some(Outcome { summary, ms_per_frame, body: tree, girth: setup.girth, colours: None }))

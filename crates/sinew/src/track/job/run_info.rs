@@ -5,15 +5,16 @@ use crate::config::TrackConfig;
 use crate::config::settings::Settings;
 use crate::input::up_axis::{Z_UP, z_up_from};
 use crate::methods::Gives;
-use crate::results::estimate::{Carried, EstimateKind, RunInfo};
-use crate::results::{Texts, WorldTurn};
 use crate::setup::Setup;
 use crate::track::TRAJECTORIES;
 use crate::track::checkpoint::Checkpoint;
 use crate::track::error::TrackError;
 use crate::track::pipeline::Pipeline;
+use sinew_input::world_turn::WorldTurn;
 use sinew_observe::Camera;
-use sinew_recording::setup::lasting_sources::PointSources;
+use sinew_results::Texts;
+use sinew_results::estimate::{Carried, EstimateKind, RunInfo};
+use sinew_setup::lasting_sources::PointSources;
 
 /// What is the same for all frames.
 pub(super) fn run_info(

@@ -20,7 +20,7 @@ pub enum RunPhase {
 /// A progress callback and a stop flag.
 pub struct Watch<'a> {
     /// Takes a pass, the frames done and all of them.
-    pub progress: &'a mut dyn FnMut(RunPhase, u64, u64),
+    pub progress: &'a mut (dyn FnMut(RunPhase, u64, u64) + Send),
     /// Set to end after the frame at hand.
     pub stop: &'a AtomicBool,
 }

@@ -1,10 +1,10 @@
-//! A frame's keypoints held against what the model says of them: what [`Predictive`](sinew_recording::predictive::Predictive) counts.
+//! A frame's keypoints held against what the model says of them: what [`Predictive`](sinew_setup::predictive::Predictive) counts.
 
 use super::Scene;
-use sinew_observe::offsets::{CameraNoise, Sighted, point_from_views};
-use sinew_observe::triangulate::Refined;
+use sinew_observe::cameras::offsets::{CameraNoise, Sighted, point_from_views};
+use sinew_observe::cameras::triangulate::Refined;
 use sinew_observe::{Camera, Detection};
-use sinew_recording::predictive::{LIMBS, Residual};
+use sinew_setup::predictive::{LIMBS, Residual};
 
 /// A residual that its own leverage hides says nothing.
 const HIDDEN: f64 = 0.9;

@@ -1,10 +1,10 @@
 //! Cameras that are late: what they show is put on time.
 
-use crate::results::problem::{Problem, check_length};
 use crate::setup::Setup;
-use sinew_observe::lasting_errors::on_time;
-use sinew_observe::point_velocity::RunningVelocities;
+use sinew_observe::clocks::point_velocity::RunningVelocities;
+use sinew_observe::lasting::lasting_errors::on_time;
 use sinew_observe::{Camera, Detection, View};
+use sinew_results::problem::{Problem, check_length};
 
 /// How late each camera is, and how the keypoints move: a late camera shows them where they were.
 pub(super) struct Clocks {

@@ -4,7 +4,7 @@ use super::{Scene, WORST};
 use crate::setup;
 use sinew_body::half_turns::half_turned;
 use sinew_core::density::LogDensity as _;
-use sinew_observe::offsets::Sighted;
+use sinew_observe::cameras::offsets::Sighted;
 
 /// What a half turn of a limb must gain, nats: a hinge 5° beyond its range loses as much.
 const TURN_GAIN: f64 = 0.125;

@@ -1,0 +1,100 @@
+//! Settings of OpenSim's scale tool: sizes of the model's bodies from distances between points.
+//!
+//! The tracked body keeps its lengths, so all frames say the same. The trunk has a height and, between the shoulders, a width. Markers are not moved afterwards: centres of joints stay at the joints.
+
+use super::marker_set::ModelMarker;
+use sinew_formats::xml_text::escaped;
+use std::fmt::Write as _;
+
+/// Scaled model that the scale tool writes and inverse kinematics reads.
+pub(super) const SCALED: &str = "scaled.osim";
+
+/// A measurement: its name, pairs of points that are averaged, and bodies that it scales along axes.
+struct Measurement {
+    name: &'static str,
+    pairs: &'static [[&'static str; 2]],
+    bodies: &'static [&'static str],
+    axes: &'static str,
+}
+
+const ALL: &str = " X Y Z";
+
+const MEASUREMENTS: [Measurement; 9] = [
+    Measurement { name: "pelvis", pairs: &[["RHip", "LHip"]], bodies: &["pelvis", "sacrum"], axes: ALL },
+    Measurement {
+        name: "thigh",
+        pairs: &[["RHip", "RKnee"], ["LHip", "LKnee"]],
+        bodies: &["femur_r", "femur_l", "patella_r", "patella_l"],
+        axes: ALL,
+    },
+    Measurement {
+        name: "shank",
+        pairs: &[["RKnee", "RAnkle"], ["LKnee", "LAnkle"]],
+        bodies: &["tibia_r", "tibia_l"],
+        axes: ALL,
+    },
+    Measurement {
+        name: "foot",
+        pairs: &[["RHeel", "RBigToe"], ["LHeel", "LBigToe"]],
+        bodies: &["talus_r", "calcn_r", "toes_r", "talus_l", "calcn_l", "toes_l"],
+        axes: ALL,
+    },
+    Measurement {
+        name: "torso",
+        pairs: &[["RShoulder", "RHip"], ["LShoulder", "LHip"]],
+        bodies: &["lumbar5", "lumbar4", "lumbar3", "lumbar2", "lumbar1", "torso"],
+        axes: " X Y",
+    },
+    Measurement {
+        name: "shoulders",
+        pairs: &[["RShoulder", "LShoulder"]],
+        bodies: &["lumbar5", "lumbar4", "lumbar3", "lumbar2", "lumbar1", "torso"],
+        axes: " Z",
+    },
+    Measurement { name: "head", pairs: &[["Head", "Nose"]], bodies: &["head"], axes: ALL },
+    Measurement {
+        name: "arm",
+        pairs: &[["RShoulder", "RElbow"], ["LShoulder", "LElbow"]],
+        bodies: &["humerus_r", "humerus_l"],
+        axes: ALL,
+    },
+    Measurement {
+        name: "forearm",
+        pairs: &[["RElbow", "RWrist"], ["LElbow", "LWrist"]],
+        bodies: &["ulna_r", "radius_r", "hand_r", "ulna_l", "radius_l", "hand_l"],
+        axes: ALL,
+    },
+];
+
+/// The settings; `bodies` are the model's, if they are known.
+pub(super) fn to_xml(
+    model_file: &str,
+    markers: &[ModelMarker],
+    bodies: Option<&[String]>,
+    [from, to]: [f64; 2],
+) -> String {
+    let mut measured = String::new();
+    let has_marker = |name: &str| markers.iter().any(|marker| marker.name == name);
+    let has_body = |name: &&&str| bodies.is_none_or(|bodies| bodies.iter().any(|body| body == **name));
+    for Measurement { name, pairs, bodies, axes } in MEASUREMENTS {
+        let pairs: Vec<_> = pairs.iter().filter(|pair| pair.iter().all(|name| has_marker(name))).collect();
+        if pairs.is_empty() {
+            continue;
+        }
+        let _ = writeln!(measured, "\t\t\t\t\t<Measurement name=\"{name}\">\n\t\t\t\t\t\t<apply>true</apply>");
+        measured += "\t\t\t\t\t\t<MarkerPairSet><objects>\n";
+        for [one, other] in pairs {
+            let _ = writeln!(measured, "\t\t\t\t\t\t\t<MarkerPair><markers> {one} {other}</markers></MarkerPair>");
+        }
+        measured += "\t\t\t\t\t\t</objects></MarkerPairSet>\n\t\t\t\t\t\t<BodyScaleSet><objects>\n";
+        for body in bodies.iter().filter(has_body) {
+            let _ = writeln!(measured, "\t\t\t\t\t\t\t<BodyScale name=\"{body}\"><axes>{axes}</axes></BodyScale>");
+        }
+        measured += "\t\t\t\t\t\t</objects></BodyScaleSet>\n\t\t\t\t\t</Measurement>\n";
+    }
+    include_str!("scale.xml")
+        .replace("{{model}}", &escaped(model_file))
+        .replace("{{scaled}}", SCALED)
+        .replace("{{range}}", &format!("{from} {to}"))
+        .replace("{{measurements}}\n", &measured)
+}

@@ -1,0 +1,167 @@
+//! One table and one page over all trials of a study, and statistics by group.
+
+use super::angle_draws::{ANGLE_DRAWS, read_angle_draws};
+use super::group_statistics::{Groups, to_csv};
+use super::ledger::{EndedTask, RESULTS, TaskEnd, ended};
+use super::packed::{inside, unpacked};
+use super::page::page;
+use super::plan::{Task, read};
+use super::trial_table::{Gathered, TrialState, row, table};
+use crate::Error;
+use serde_json::Value;
+use sinew_results::write_whole;
+use std::fs;
+use std::path::Path;
+use std::str::FromStr;
+
+/// By what trials are put into groups.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GroupBy {
+    /// The folder that holds the trial.
+    #[default]
+    Folder,
+    /// The name of the trial's own folder: the same exercise of many people.
+    Name,
+    /// The person.
+    Subject,
+    /// All together.
+    All,
+}
+
+impl GroupBy {
+    /// The words for it.
+    pub const NAMES: [&str; 4] = ["folder", "name", "subject", "all"];
+
+    /// The group of a task.
+    fn of(self, task: &Task) -> String {
+        let (above, own) = task.trial.rsplit_once('/').unwrap_or(("", &task.trial));
+        match self {
+            Self::Folder => above.to_owned(),
+            Self::Name => own.to_owned(),
+            Self::Subject => task.subject.clone().unwrap_or_default(),
+            Self::All => "all".to_owned(),
+        }
+    }
+}
+
+impl FromStr for GroupBy {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let all = [Self::Folder, Self::Name, Self::Subject, Self::All];
+        let found = Self::NAMES.iter().zip(all).find(|(name, _)| **name == text);
+        found.map(|(_, by)| by).ok_or_else(|| format!("expected one of {}", Self::NAMES.join(", ")))
+    }
+}
+
+/// Gathers a study.
+///
+/// # Errors
+/// A study or results of it that cannot be read; errors of the disk.
+pub fn gather(study: &Path, by: GroupBy) -> Result<Gathered, Error> {
+    let (plan, tasks) = read(study)?;
+    let known = ended(study)?;
+    let (mut rows, mut groups, mut gathered) = (vec![], Groups::default(), Gathered::default());
+    for task in &tasks {
+        let line = known.get(&task.trial).filter(|line| line.hash == task.hash);
+        let found = line.filter(|line| line.is_there() && line.is_kept(study)).map(|line| results(study, line));
+        let found = found.and_then(Result::ok).unwrap_or_default();
+        let (state, why) = state_of(line, !found.is_empty());
+        gathered.counts[state as usize] += 1;
+        if found.is_empty() {
+            gathered.lacking.push((task.trial.clone(), why.clone()));
+            rows.push(row(task, "", state, &why, &Value::Null));
+        }
+        for (person, summary, angles) in found {
+            rows.push(row(task, &person, state, &why, &summary));
+            groups.add(&by.of(task), read_angle_draws(&angles));
+        }
+    }
+    let statistics = groups.statistics();
+    write_whole(&study.join("summary.csv"), table(&rows).as_bytes())?;
+    write_whole(&study.join("groups.csv"), to_csv(&statistics).as_bytes())?;
+    write_whole(&study.join("report.html"), page(&plan, &gathered, &rows, &statistics).as_bytes())?;
+    Ok(gathered)
+}
+
+fn state_of(line: Option<&EndedTask>, has_results: bool) -> (TrialState, String) {
+    match line {
+        Some(line) if line.is_there() && !has_results => {
+            (TrialState::Missing, "its results are gone or damaged: run the study again".into())
+        }
+        None => (TrialState::Missing, "not run yet, or not since inputs or settings changed".into()),
+        Some(line) => {
+            let state = match line.ended {
+                TaskEnd::Done => TrialState::Done,
+                TaskEnd::Doubtful => TrialState::Doubtful,
+                TaskEnd::Failed => TrialState::Failed,
+            };
+            (state, line.why.clone())
+        }
+    }
+}
+
+/// Person, summary and angles of each result folder of a trial.
+fn results(study: &Path, line: &EndedTask) -> Result<Vec<(String, Value, String)>, Error> {
+    let mut files = match &line.packed {
+        Some(packed) => unpacked(study, packed, |name| name.ends_with("summary.json") || name.ends_with(ANGLE_DRAWS))?
+            .into_iter()
+            .map(|(name, bytes)| (inside(&line.trial, &name).to_owned(), String::from_utf8_lossy(&bytes).into_owned()))
+            .collect(),
+        None => small_files(&study.join(RESULTS).join(&line.trial))?,
+    };
+    files.sort();
+    let text = |wanted: &str| files.iter().find(|(name, _)| name == wanted).map(|(_, text)| text.clone());
+    let summaries: Vec<&(String, String)> = files.iter().filter(|(name, _)| name.ends_with("summary.json")).collect();
+    let has_people = summaries.len() > 1;
+    let found = summaries.into_iter().filter(|(name, _)| !has_people || name.contains('/')).map(|(name, summary)| {
+        let folder = name.strip_suffix("summary.json").unwrap_or_default();
+        let person = folder.trim_end_matches('/').rsplit('/').next().unwrap_or_default().to_owned();
+        let summary = serde_json::from_str(summary).unwrap_or_default();
+        (person, summary, text(&format!("{folder}{ANGLE_DRAWS}")).unwrap_or_default())
+    });
+    Ok(found.collect())
+}
+
+/// The summaries and angles in a result folder and in the folders of its people, by their path in it.
+fn small_files(folder: &Path) -> Result<Vec<(String, String)>, Error> {
+    let people = fs::read_dir(folder.join("people")).into_iter().flatten().flatten();
+    let people = people.map(|entry| format!("people/{}/", entry.file_name().to_string_lossy()));
+    let mut found = vec![];
+    for below in std::iter::once(String::new()).chain(people) {
+        for name in ["summary.json", ANGLE_DRAWS] {
+            let path = folder.join(&below).join(name);
+            if path.is_file() {
+                let text = fs::read_to_string(&path).map_err(sinew::Error::io("read", &path))?;
+                found.push((format!("{below}{name}"), text));
+            }
+        }
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn task(trial: &str, subject: Option<&str>) -> Task {
+        let (session, hash) = (String::new(), String::new());
+        Task {
+            trial: trial.into(),
+            has_file: true,
+            hash,
+            subject: subject.map(str::to_owned),
+            session,
+            pool: None,
+            problem: None,
+        }
+    }
+
+    #[test]
+    fn trials_are_grouped() {
+        let walk = task("S1/day2/walk", Some("anna"));
+        let groups = GroupBy::NAMES.map(|name| name.parse::<GroupBy>().unwrap().of(&walk));
+        assert_eq!(groups, ["S1/day2", "walk", "anna", "all"]);
+        assert!("people".parse::<GroupBy>().is_err());
+    }
+}

@@ -1,0 +1,334 @@
+//! The plan of a study: one task a trial, with a hash of what its results depend on.
+//!
+//! Of text files the hash is over their content; of images and masks over names, sizes and times of change, since reading them all takes as long as tracking.
+
+use super::trials::{self, FoundTrial, TASKS};
+use crate::Error;
+use serde::{Deserialize, Serialize};
+use sinew::config::{Resolved, TrackConfig};
+use sinew::files::{FNV_START, fnv, read_text};
+use sinew_results::write_whole;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+use std::time::UNIX_EPOCH;
+
+/// File of a study with what holds for all its trials.
+const PLAN: &str = "plan.json";
+
+/// Most bytes of a list of tasks.
+const MAX_BYTES: u64 = 1 << 32;
+
+/// What a study is about.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StudyPlan {
+    /// Version of the program that made it.
+    pub sinew_version: String,
+    /// Folder of the trials.
+    pub root: PathBuf,
+    /// Whether results are packed into one archive a shard.
+    pub packed: bool,
+    /// What trials share.
+    #[serde(default)]
+    pub share: Share,
+}
+
+/// What trials share.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Share {
+    /// Trials of a session (one calibration) the cameras, and trials of a subject in it a set-up.
+    Session,
+    /// Trials of a subject in a session a set-up.
+    #[default]
+    Subject,
+    /// Nothing: each trial has a set-up of its own.
+    Nothing,
+}
+
+impl Share {
+    /// The words for it.
+    pub const NAMES: [&str; 3] = ["session", "subject", "nothing"];
+}
+
+impl FromStr for Share {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "session" => Ok(Self::Session),
+            "subject" => Ok(Self::Subject),
+            "nothing" => Ok(Self::Nothing),
+            _ => Err(format!("must be one of {}", Self::NAMES.join(", "))),
+        }
+    }
+}
+
+/// A trial to be tracked.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Task {
+    /// Name of the trial.
+    pub trial: String,
+    /// Whether it has a file of settings of its own.
+    pub has_file: bool,
+    /// Hash of inputs and settings.
+    pub hash: String,
+    /// Who is tracked, if that is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub subject: Option<String>,
+    /// Trials with the same word share cameras, and are of one session.
+    pub session: String,
+    /// Trials with the same word share one set-up.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pool: Option<String>,
+    /// Why it cannot be run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub problem: Option<String>,
+}
+
+impl Task {
+    /// The trial.
+    #[must_use]
+    pub fn as_trial(&self) -> FoundTrial {
+        FoundTrial { name: self.trial.clone(), has_file: self.has_file }
+    }
+}
+
+/// Makes the plan of the trials below a folder.
+///
+/// # Errors
+/// [`Error::NoTrials`]; folders that cannot be read.
+pub fn plan(root: &Path, share: Share) -> Result<Vec<Task>, Error> {
+    let root = std::path::absolute(root).map_err(sinew::Error::io("read", root))?;
+    let found = trials::find(&root)?;
+    if found.is_empty() {
+        return Err(Error::NoTrials(root));
+    }
+    let mut tasks: Vec<Task> = found.iter().map(|trial| task(trial, &root)).collect();
+    if share == Share::Nothing {
+        tasks.iter_mut().for_each(|task| task.pool = None);
+    }
+    // A set-up that is shared depends on all who share it, or its cameras.
+    let sharing = |task: &Task| match share {
+        Share::Session => task.session.clone(),
+        Share::Subject | Share::Nothing => task.pool.clone().unwrap_or_default(),
+    };
+    let mut hashes: BTreeMap<String, u64> = BTreeMap::new();
+    for task in tasks.iter().filter(|task| task.pool.is_some()) {
+        let hash = hashes.entry(sharing(task)).or_insert(FNV_START);
+        *hash = fnv(*hash, task.hash.as_bytes());
+    }
+    for task in &mut tasks {
+        let hash = hashes.get(&sharing(task));
+        if let (Some(pool), Some(hash)) = (&mut task.pool, hash) {
+            task.hash = format!("{:016x}", fnv(*hash, task.hash.as_bytes()));
+            *pool = format!("{pool}-{hash:016x}");
+        }
+    }
+    Ok(tasks)
+}
+
+fn task(trial: &FoundTrial, root: &Path) -> Task {
+    let unknown = Task {
+        trial: trial.name.clone(),
+        has_file: trial.has_file,
+        hash: String::new(),
+        subject: None,
+        session: String::new(),
+        pool: None,
+        problem: None,
+    };
+    let known = trial.settings(root, &[]).and_then(|resolved| {
+        let config = resolved.track();
+        let calibration = sinew::run::calibration(&config)?;
+        Ok((input_hash(&resolved, &config)?, hash_of(FNV_START, &calibration)?, resolved, config))
+    });
+    match known {
+        Ok((hash, calibration, resolved, config)) => {
+            let session = format!("{calibration:016x}");
+            let pool = config.subject.as_ref().and_then(|subject| pool(subject, &session, &resolved, &config));
+            Task { hash: format!("{hash:016x}"), subject: config.subject, session, pool, ..unknown }
+        }
+        Err(error) => Task { problem: Some(sinew::with_causes(&error)), ..unknown },
+    }
+}
+
+/// Who shares a set-up: trials of one subject in one session with the same body, layout and cameras, which make their own set-ups otherwise.
+fn pool(subject: &str, session: &str, resolved: &Resolved, config: &TrackConfig) -> Option<String> {
+    if config.setup.is_some() || config.keypoints.is_none() || config.silhouettes.is_some() {
+        return None;
+    }
+    let same =
+        ["body", "layout", "cameras", "fps", "up", "up_axis", "image_scale", "confidence_scale", "seed", "any_size"];
+    let same = same.map(|key| resolved.get(key).map(sinew::config::value::to_toml).unwrap_or_default());
+    let hash =
+        same.iter().fold(fnv(FNV_START, session.as_bytes()), |hash, value| fnv(fnv(hash, value.as_bytes()), b"\n"));
+    let name: String = subject.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect();
+    Some(format!("{name}-{:08x}", (hash ^ fnv(FNV_START, subject.as_bytes())) & 0xffff_ffff))
+}
+
+/// Hash of everything that results depend on.
+fn input_hash(resolved: &Resolved, config: &TrackConfig) -> Result<u64, Error> {
+    let mut hash = fnv(FNV_START, resolved.hash().as_bytes());
+    let inputs = [&config.calibration, &config.keypoints, &config.silhouettes, &config.images];
+    for path in inputs.into_iter().flatten() {
+        hash = hash_of(hash, path)?;
+    }
+    for (key, path) in resolved.files() {
+        hash = hash_of(fnv(hash, key.as_bytes()), &path)?;
+    }
+    Ok(hash)
+}
+
+/// Extensions of files that are not read for the hash.
+const IMAGES: [&str; 5] = ["png", "jpg", "jpeg", "bmp", "tif"];
+
+/// Folds a file, or a folder with all in it, into a hash.
+fn hash_of(hash: u64, path: &Path) -> Result<u64, Error> {
+    let failed = |error| sinew::Error::io("read", path)(error);
+    let found = fs::metadata(path).map_err(failed)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let hash = fnv(fnv(hash, name.as_bytes()), &[0]);
+    if found.is_dir() {
+        let mut entries: Vec<PathBuf> =
+            fs::read_dir(path).and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect()).map_err(failed)?;
+        entries.sort();
+        return entries.iter().try_fold(hash, |hash, entry| hash_of(hash, entry));
+    }
+    if path.extension().is_some_and(|extension| IMAGES.iter().any(|image| extension.eq_ignore_ascii_case(image))) {
+        let changed = found.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok()).unwrap_or_default();
+        return Ok(fnv(fnv(hash, &found.len().to_le_bytes()), &changed.as_nanos().to_le_bytes()));
+    }
+    Ok(fnv(hash, &fs::read(path).map_err(failed)?))
+}
+
+/// Writes a plan into the folder of a study.
+///
+/// # Errors
+/// Errors of the disk.
+pub fn write(study: &Path, plan: &StudyPlan, tasks: &[Task]) -> Result<(), Error> {
+    fs::create_dir_all(study).map_err(sinew::Error::io("create", study))?;
+    let lines: String = tasks.iter().map(|task| serde_json::to_string(task).unwrap_or_default() + "\n").collect();
+    write_whole(&study.join(TASKS), lines.as_bytes())?;
+    let text = serde_json::to_string_pretty(plan).unwrap_or_default() + "\n";
+    Ok(write_whole(&study.join(PLAN), text.as_bytes())?)
+}
+
+/// The plan of a study, and its tasks.
+///
+/// # Errors
+/// [`Error::NotAStudy`], [`Error::StudyFile`].
+pub fn read(study: &Path) -> Result<(StudyPlan, Vec<Task>), Error> {
+    let (plan, tasks) = (study.join(PLAN), study.join(TASKS));
+    if !plan.is_file() || !tasks.is_file() {
+        return Err(Error::NotAStudy(study.to_owned()));
+    }
+    let wrong = |path: &Path, line: usize, error: serde_json::Error| Error::StudyFile {
+        path: path.to_owned(),
+        line,
+        problem: error.to_string(),
+    };
+    let text = read_text(&plan, MAX_BYTES)?;
+    let known: StudyPlan = serde_json::from_str(&text).map_err(|error| wrong(&plan, error.line(), error))?;
+    let text = read_text(&tasks, MAX_BYTES)?;
+    let lines = (1..).zip(text.lines());
+    let all = lines.map(|(line, text)| serde_json::from_str(text).map_err(|error| wrong(&tasks, line, error)));
+    Ok((known, all.collect::<Result<_, _>>()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn write_file(root: &Path, name: &str, text: &str) {
+        let path = root.join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+
+    fn study() -> tempfile::TempDir {
+        let root = tempfile::tempdir().unwrap();
+        let at = root.path();
+        write_file(at, "sinew.toml", "root = true\ncalibration = \"Calib.toml\"\nfps = 60\n");
+        write_file(at, "Calib.toml", "cameras");
+        for trial in ["S1/a", "S1/b", "S2/a"] {
+            write_file(at, &format!("{trial}/pose/c1_json/c1_0.json"), trial);
+        }
+        write_file(at, "S1/sinew.toml", "subject = \"S1\"\n");
+        root
+    }
+
+    #[test]
+    fn a_hash_changes_with_settings_and_inputs_of_the_trial_and_of_who_shares_its_set_up() {
+        let root = study();
+        let hashes =
+            || plan(root.path(), Share::Session).unwrap().into_iter().map(|task| task.hash).collect::<Vec<_>>();
+        let before = hashes();
+        assert_eq!(before, hashes());
+        let changed = || hashes().iter().zip(&before).map(|(a, b)| a != b).collect::<Vec<_>>();
+        write_file(root.path(), "S2/a/pose/c1_json/c1_0.json", "other");
+        assert_eq!(changed(), [false, false, true]);
+        write_file(root.path(), "S1/b/pose/c1_json/c1_0.json", "other");
+        assert_eq!(changed(), [true, true, true]);
+        write_file(root.path(), "S1/b/pose/c1_json/c1_0.json", "S1/b");
+        write_file(root.path(), "S2/a/pose/c1_json/c1_0.json", "S2/a");
+        assert_eq!(changed(), [false; 3]);
+        write_file(root.path(), "sinew.toml", "root = true\ncalibration = \"Calib.toml\"\nfps = 50\n");
+        assert_eq!(changed(), [true; 3]);
+    }
+
+    #[test]
+    fn trials_of_a_subject_share_a_set_up() {
+        let root = study();
+        let tasks = plan(root.path(), Share::Session).unwrap();
+        assert!(tasks[0].pool.is_some() && tasks[0].pool == tasks[1].pool && tasks[2].pool.is_none());
+        assert!(tasks.iter().all(|task| task.session == tasks[0].session && task.problem.is_none()));
+    }
+
+    #[test]
+    fn subjects_of_a_session_share_cameras_if_they_are_to() {
+        let root = study();
+        write_file(root.path(), "S2/sinew.toml", "subject = \"S2\"\n");
+        let before = |share| plan(root.path(), share).unwrap();
+        let [session, subject, nothing] = [Share::Session, Share::Subject, Share::Nothing].map(before);
+        assert!(nothing.iter().all(|task| task.pool.is_none()));
+        assert!(session.iter().chain(&subject).all(|task| task.pool.is_some()));
+        write_file(root.path(), "S2/a/pose/c1_json/c1_0.json", "other");
+        let changed = |before: &[Task], share| {
+            let now = plan(root.path(), share).unwrap();
+            now.iter().zip(before).map(|(now, before)| now.hash != before.hash).collect::<Vec<_>>()
+        };
+        assert_eq!(changed(&session, Share::Session), [true; 3]);
+        assert_eq!(changed(&subject, Share::Subject), [false, false, true]);
+        assert_eq!(changed(&nothing, Share::Nothing), [false, false, true]);
+    }
+
+    #[test]
+    fn a_trial_that_cannot_be_run_has_a_task_that_says_why() {
+        let root = study();
+        write_file(root.path(), "S2/a/sinew.toml", "paticles = 3\nkeypoints = \"pose\"");
+        let tasks = plan(root.path(), Share::Session).unwrap();
+        assert!(tasks[2].problem.as_ref().unwrap().contains("paticles"), "{:?}", tasks[2]);
+        write_file(root.path(), "S2/a/sinew.toml", "calibration = \"none.toml\"\nkeypoints = \"pose\"");
+        let tasks = plan(root.path(), Share::Session).unwrap();
+        assert!(tasks[2].problem.as_ref().unwrap().contains("none.toml"), "{:?}", tasks[2]);
+        assert!(tasks[0].problem.is_none());
+    }
+
+    #[test]
+    fn plans_are_read_back() {
+        let root = study();
+        let tasks = plan(root.path(), Share::Session).unwrap();
+        let folder = root.path().join("study");
+        let known =
+            StudyPlan { sinew_version: "0".into(), root: root.path().into(), packed: false, share: Share::Subject };
+        write(&folder, &known, &tasks).unwrap();
+        assert_eq!(read(&folder).unwrap(), (known, tasks));
+        assert!(matches!(read(root.path()), Err(Error::NotAStudy(_))));
+        fs::write(folder.join(TASKS), "{}\n").unwrap();
+        assert!(read(&folder).unwrap_err().to_string().contains("line 1"));
+    }
+}

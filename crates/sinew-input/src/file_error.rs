@@ -1,0 +1,33 @@
+//! A file or folder that cannot be read or written.
+
+use crate::missing_path;
+use std::io;
+use std::path::PathBuf;
+
+/// A file or folder that cannot be read or written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot {doing} `{}`", path.display())]
+pub struct FileError {
+    /// Verb of the sentence.
+    pub doing: &'static str,
+    /// File or folder.
+    pub path: PathBuf,
+    /// What the system says.
+    #[source]
+    pub source: io::Error,
+}
+
+impl FileError {
+    /// Adds verb and path to what the system says: `map_err(FileError::on("read", path))`.
+    pub fn on(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+        let path = path.into();
+        move |source| Self { doing, path, source }
+    }
+
+    /// What the user can do about it.
+    #[must_use]
+    pub fn help(&self) -> Option<String> {
+        let is_missing = matches!(self.source.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory);
+        if is_missing { missing_path::advice(&self.path) } else { None }
+    }
+}

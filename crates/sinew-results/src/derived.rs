@@ -1,0 +1,54 @@
+//! Files that other commands make of results and keep beside them: the page, the gait, the comparison.
+
+use crate::{Error, Occupied};
+use std::io::Read as _;
+use std::path::Path;
+
+/// Name of the page in a result folder.
+pub const PAGE_NAME: &str = "report.html";
+
+/// How the title of every page ends, and where it stands at the latest.
+pub const PAGE_TITLE_END: &str = " · sinew report</title>";
+const HEAD_BYTES: u64 = 4096;
+
+/// Files of `sinew gait`, in the order in which they are written.
+pub const GAIT_NAMES: [&str; 4] = ["gait_events.csv", "gait_parameters.csv", "gait_cycles.csv", "gait.svg"];
+/// Files of `sinew compare`, in the order in which they are written.
+pub const COMPARISON_NAMES: [&str; 3] = ["comparison.csv", "comparison.json", "bland_altman.svg"];
+/// Refuses to write over what is no page of a result, without `force`. A former page is no loss.
+///
+/// # Errors
+/// [`Error::OutputExists`].
+pub fn refuse_other_page(out: &Path, force: bool) -> Result<(), Error> {
+    let is_in_the_way = out.exists() && !force && !is_page(out);
+    let refused = || Error::OutputExists { path: out.to_owned(), found: Occupied::File };
+    if is_in_the_way { Err(refused()) } else { Ok(()) }
+}
+
+/// Whether a file is a page of results, by its title.
+pub fn is_page(path: &Path) -> bool {
+    let mut head = vec![];
+    let read = std::fs::File::open(path).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head));
+    read.is_ok() && String::from_utf8_lossy(&head).contains(PAGE_TITLE_END)
+}
+
+/// Removes the page, the gait and the comparison of results that were replaced.
+pub fn forget_derived(results: &Path) -> Result<(), Error> {
+    let page = results.join(PAGE_NAME);
+    if is_page(&page) {
+        remove(&page)?;
+    }
+    GAIT_NAMES.iter().chain(&COMPARISON_NAMES).try_for_each(|name| remove(&results.join(name)))
+}
+
+/// Removes a file or a folder, if it is there.
+///
+/// # Errors
+/// What the system says, with the path.
+pub fn remove(path: &Path) -> Result<(), Error> {
+    let done = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+    match done {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Error::io("remove", path)(error)),
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,107 @@
+//! What can be wrong with a result folder, with the exit code and the advice that belong to it.
+
+use crate::problem::Problem;
+use crate::read_error::ReadError;
+use crate::results_error::{Occupied, ResultsError};
+use sinew_input::{FileError, InputError, Problems};
+use sinew_setup::SetupError;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// A result folder, or what it was made from, that cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A recording, body or set-up that cannot be used.
+    #[error(transparent)]
+    Setup(#[from] sinew_setup::Error),
+    /// Results that cannot be written or read back.
+    #[error(transparent)]
+    Results(#[from] ResultsError),
+    /// A folder that does not hold whole results.
+    #[error(transparent)]
+    Read(#[from] ReadError),
+    /// The output folder holds something.
+    #[error("`{}` {}", path.display(), found.words())]
+    OutputExists {
+        /// Output folder.
+        path: PathBuf,
+        /// What is in it.
+        found: Occupied,
+    },
+    /// The output folder is being written by another run.
+    #[error("`{}` is in use by another run{}", path.display(), pid.map(|pid| format!(" (process {pid})")).unwrap_or_default())]
+    OutputLocked {
+        /// Output folder.
+        path: PathBuf,
+        /// Process that holds the lock.
+        pid: Option<u32>,
+    },
+    /// A run that was stopped cannot be resumed.
+    #[error("`{}` {problem}", folder.display())]
+    Checkpoint {
+        /// Output folder.
+        folder: PathBuf,
+        /// Why.
+        problem: Box<Problem>,
+    },
+    /// The output folder holds or is an input.
+    #[error("the output folder `{}` is also the input `{}`", path.display(), input.display())]
+    OutputIsInput {
+        /// Output folder.
+        path: PathBuf,
+        /// Input inside it.
+        input: PathBuf,
+    },
+}
+
+sinew_input::errors_from_below!(Error::Setup: sinew_input::Error, sinew_formats::Error, FileError, InputError, Problems, SetupError);
+
+impl Error {
+    /// A [`FileError`] in the making: `map_err(Error::io("read", path))`.
+    pub fn io(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
+        let on = FileError::on(doing, path);
+        move |source| on(source).into()
+    }
+
+    /// The file that could not be read or written, if that is what went wrong.
+    #[must_use]
+    pub const fn file(&self) -> Option<&FileError> {
+        match self {
+            Self::Setup(sinew_setup::Error::Input(sinew_input::Error::Io(error))) => Some(error),
+            _ => None,
+        }
+    }
+
+    /// An [`Error::Checkpoint`].
+    pub fn checkpoint(folder: &Path, problem: Problem) -> Self {
+        Self::Checkpoint { folder: folder.to_owned(), problem: Box::new(problem) }
+    }
+
+    /// Code with which the program ends.
+    #[must_use]
+    pub const fn exit_code(&self) -> u8 {
+        match self {
+            Self::Checkpoint { problem, .. } => problem.exit_code(),
+            Self::Setup(error) => error.exit_code(),
+            Self::Results(error) => error.exit_code(),
+            Self::Read(error) => error.exit_code(),
+            Self::OutputIsInput { .. } => 2,
+            Self::OutputExists { .. } | Self::OutputLocked { .. } => 5,
+        }
+    }
+
+    /// What the user can do about it.
+    #[must_use]
+    pub fn help(&self) -> Option<String> {
+        match self {
+            Self::Setup(error) => error.help(),
+            Self::Results(error) => error.help(),
+            Self::Read(error) => Some(error.help().into()),
+            Self::OutputExists { found, .. } => Some(found.help().into()),
+            Self::OutputLocked { .. } => Some("wait for it to end, or choose another folder with `-o`".into()),
+            Self::Checkpoint { problem, .. } => Some(problem.help().into()),
+            Self::OutputIsInput { .. } => Some("choose another folder with `-o`".into()),
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! A file under its provisional name `NAME.partial`, until it is whole.
+//!
+//! Flushed, synced and checked before the rename: a file under its final name is complete.
+//!
+//! While a file grows, its length and a checksum of what was written are known ([`Position`]). A run that is resumed compares them with what is there, cuts what came later, and writes on
+//! behind it. A header that is rewritten at the end, when the number of frames is known, is put back first.
+
+use crate::Error;
+use crate::problem::Problem;
+use crate::storage::{Storage, StoredFile};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Provisional name of a file.
+#[must_use]
+pub(crate) fn partial_path(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".partial");
+    name.into()
+}
+
+/// How far a file was written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Position {
+    /// Bytes.
+    pub length: u64,
+    /// CRC-32 of them.
+    pub checksum: u32,
+}
+
+/// Where the files of a run are, and how far they were written if the run is resumed.
+pub struct Place<'a> {
+    /// Where files are kept.
+    pub storage: &'a Arc<dyn Storage>,
+    /// Folder of the results.
+    pub folder: &'a Path,
+    /// How far the files of a stopped run go, by name; nothing for a new run.
+    pub written: Option<&'a BTreeMap<String, Position>>,
+}
+
+impl Place<'_> {
+    /// A file that begins with a header: a new one, or the one that is there.
+    pub fn file(&self, name: &str, header: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<PartialFile, Error> {
+        let path = self.folder.join(name);
+        let mut first = Vec::new();
+        header(&mut first).map_err(Error::io("write", &path))?;
+        match self.written {
+            None => {
+                let mut file = PartialFile::create(self.storage, path)?;
+                file.write(|out| out.write_all(&first))?;
+                Ok(file)
+            }
+            Some(written) => {
+                let at = written.get(name).copied().unwrap_or_default();
+                PartialFile::resume(self.storage, path, at, &first)
+            }
+        }
+    }
+}
+
+/// A stream that knows how much went through it, and its checksum.
+pub struct Counted {
+    file: Box<dyn StoredFile>,
+    length: u64,
+    checksum: crc32fast::Hasher,
+}
+
+impl Write for Counted {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.file.write(bytes)?;
+        self.length += written as u64;
+        self.checksum.update(&bytes[..written]);
+        Ok(written)
+    }
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// A file being written beside its place.
+pub struct PartialFile {
+    storage: Arc<dyn Storage>,
+    path: PathBuf,
+    partial: PathBuf,
+    out: BufWriter<Counted>,
+}
+
+impl PartialFile {
+    /// A new file under its provisional name.
+    ///
+    /// # Errors
+    /// What the system says, with the path.
+    pub fn create(storage: &Arc<dyn Storage>, path: PathBuf) -> Result<Self, Error> {
+        let partial = partial_path(&path);
+        let file = storage.create(&partial).map_err(Error::io("write", &partial))?;
+        let out = BufWriter::new(Counted { file, length: 0, checksum: crc32fast::Hasher::new() });
+        Ok(Self { storage: Arc::clone(storage), path, partial, out })
+    }
+
+    /// A file that is there, as far as it was written, with `header` for its first bytes.
+    fn resume(storage: &Arc<dyn Storage>, path: PathBuf, at: Position, header: &[u8]) -> Result<Self, Error> {
+        let partial = take_back(storage, &path)?;
+        let mut checksum = crc32fast::Hasher::new();
+        checksum.update(header);
+        let rest = at.length.checked_sub(header.len() as u64);
+        let found = storage.read(&partial).and_then(|mut file| {
+            io::copy(&mut (&mut file).take(header.len() as u64), &mut io::sink())?;
+            checksum_of(&mut file.take(rest.unwrap_or(0)), &mut checksum)
+        });
+        let found = found.map_err(Error::io("read", &partial))?;
+        if Some(found) != rest || checksum.clone().finalize() != at.checksum {
+            return Err(Error::checkpoint(path.parent().unwrap_or(Path::new("")), Problem::Changed { path: partial }));
+        }
+        let open = || {
+            let mut file = storage.resume(&partial, at.length)?;
+            file.seek(SeekFrom::Start(0))?;
+            file.write_all(header)?;
+            file.seek(SeekFrom::End(0))?;
+            Ok(file)
+        };
+        let file = open().map_err(Error::io("write", &partial))?;
+        let out = BufWriter::new(Counted { file, length: at.length, checksum });
+        Ok(Self { storage: Arc::clone(storage), path, partial, out })
+    }
+
+    /// A file whose content is at hand.
+    pub fn with_text(storage: &Arc<dyn Storage>, path: PathBuf, text: &str) -> Result<Self, Error> {
+        let mut file = Self::create(storage, path)?;
+        file.write(|out| out.write_all(text.as_bytes()))?;
+        file.flush()?;
+        Ok(file)
+    }
+
+    /// Appends what the closure writes.
+    pub fn write(&mut self, write: impl FnOnce(&mut BufWriter<Counted>) -> io::Result<()>) -> Result<(), Error> {
+        write(&mut self.out).map_err(Error::io("write", &self.partial))
+    }
+
+    /// Writes over the start of the file; nothing is appended any more.
+    pub fn rewrite_start(&mut self, header: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<(), Error> {
+        let mut first = Vec::new();
+        let rewrite = || {
+            header(&mut first)?;
+            self.out.flush()?;
+            let file = &mut self.out.get_mut().file;
+            file.seek(SeekFrom::Start(0))?;
+            file.write_all(&first)
+        };
+        rewrite().map_err(Error::io("write", &self.partial))
+    }
+
+    /// Hands everything to the disk and waits for it.
+    pub fn sync(&mut self) -> Result<(), Error> {
+        self.flush()?;
+        self.out.get_mut().file.sync().map_err(Error::io("write", &self.partial))
+    }
+
+    fn flush(&mut self) -> Result<(), Error> {
+        self.out.flush().map_err(Error::io("write", &self.partial))
+    }
+
+    /// Hands everything to the disk, and says how much that is.
+    pub fn keep(&mut self) -> Result<(String, Position), Error> {
+        self.sync()?;
+        let Counted { length, checksum, .. } = self.out.get_ref();
+        let name = self.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        Ok((name, Position { length: *length, checksum: checksum.clone().finalize() }))
+    }
+
+    /// Everything written so far.
+    pub fn read_back(&mut self) -> Result<Box<dyn Read>, Error> {
+        self.flush()?;
+        self.storage.read(&self.partial).map_err(Error::io("read", &self.partial))
+    }
+
+    /// Gives a synced file its name.
+    pub fn rename(self) -> Result<(), Error> {
+        self.storage.rename(&self.partial, &self.path).map_err(Error::io("write", &self.path))
+    }
+}
+
+/// The provisional name of a file or folder; where it has its final name already, since the run was interrupted or stopped while it gave them, that is taken back.
+pub(crate) fn take_back(storage: &Arc<dyn Storage>, path: &Path) -> Result<PathBuf, Error> {
+    let partial = partial_path(path);
+    if !partial.exists() && path.exists() {
+        storage.rename(path, &partial).map_err(Error::io("write", &partial))?;
+    }
+    Ok(partial)
+}
+
+/// Adds a stream to a checksum; gives its length.
+pub(crate) fn checksum_of(stream: &mut impl Read, checksum: &mut crc32fast::Hasher) -> io::Result<u64> {
+    let mut buffer = vec![0; 1 << 16];
+    let mut length = 0;
+    loop {
+        match stream.read(&mut buffer)? {
+            0 => return Ok(length),
+            read => {
+                checksum.update(&buffer[..read]);
+                length += read as u64;
+            }
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Tracking while frames come: lines in, a line out for each frame, and the usual folder at the end.
+//!
+//! ```text
+//! stream ──▶ reading ──▶ queue (few frames) ──▶ one run ──▶ answering (few lines) ──▶ stream
+//!               └──────────── what is refused ────────────────┘
+//! ```
+//!
+//! Reading and answering are threads of their own: neither a burst of frames nor a slow reader holds up the tracking, or makes memory grow.
+
+mod answer;
+mod answering;
+pub(crate) mod error;
+mod lines;
+mod place;
+mod queue;
+mod reading;
+mod refusals;
+mod source;
+
+pub use error::LiveError;
+pub use place::{LivePlace, Streams};
+
+use super::read_from;
+use crate::Error;
+use crate::config::track::DEFAULT_FPS;
+use crate::config::value::Value;
+use crate::config::{Resolved, TrackConfig};
+use crate::input::live::LiveCameras;
+use crate::run::claimed::claimed;
+use crate::run::listener::{Listener, PassCounter};
+use crate::run::people::forget_people;
+use crate::run::settings::reading as options;
+use crate::run::threads::{wanted, with_threads};
+use crate::track::job::live::{Answers, track_live};
+use crate::track::job::{self, Outcome, Watch};
+use answering::Answering;
+use queue::Queue;
+use reading::Reading;
+use sinew_results::estimate::{FrameEstimate, RunInfo};
+use sinew_results::refuse_inputs;
+use source::Source;
+use std::ops::Range;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Seconds of frames for the set-up, where nobody says how many.
+pub const SETUP_S: f64 = 5.0;
+
+/// Seconds that may be missing between two frames.
+const MOST_MISSING_S: f64 = 60.0;
+
+/// What a live run is to do.
+pub struct LiveRequest {
+    /// Where frames come from.
+    pub place: LivePlace,
+    /// The streams of the process, for [`LivePlace::Standard`].
+    pub standard: Streams,
+    /// Seconds of frames for the set-up; [`SETUP_S`] if `None`.
+    pub setup_s: Option<f64>,
+    /// File of settings that was named, which the run must not replace.
+    pub settings_file: Option<PathBuf>,
+}
+
+/// Times the updates that chains which disagree take, where the settings do not say: the next frames must not wait.
+const PATIENCE: u64 = 1;
+
+/// Tracks frames as they come into the folder of the settings.
+///
+/// # Errors
+/// [`Error`], with what was done kept in the folder where anything was.
+pub fn track(resolved: &Resolved, request: LiveRequest, listener: &dyn Listener) -> Result<Outcome, Error> {
+    let resolved = &resolved.clone().with_default("patience", Value::Count(PATIENCE));
+    let config = resolved.track();
+    let LiveRequest { place, standard, setup_s, settings_file } = request;
+    let calibration = check(resolved, &config)?;
+    let read_from = read_from(&config, &calibration, settings_file.as_deref());
+    refuse_inputs(&config.out, &read_from)?;
+    job::check_settings(resolved)?;
+    let cameras = LiveCameras::open(&calibration, &options(&config))?;
+    let layout = cameras.named_layout(&options(&config))?;
+    let claim = claimed(&config, &read_from, listener)?;
+    forget_people(&config, &read_from)?;
+    let streams = match place {
+        LivePlace::Standard => standard,
+        LivePlace::Tcp(address) => place::connected(address, listener)?,
+    };
+    let fps = config.fps.unwrap_or(DEFAULT_FPS);
+    let answering = Answering::begin(streams.answers);
+    let queue = Arc::new(Queue::default());
+    queue.state().layout.clone_from(&layout);
+    let reading = Reading {
+        cameras: cameras.clone(),
+        layout,
+        most_ahead: (MOST_MISSING_S * fps).ceil() as u64,
+        queue: Arc::clone(&queue),
+        answering: answering.clone(),
+    };
+    reading.begin(streams.frames);
+    let frames = (config.setup.is_none()).then(|| (setup_s.unwrap_or(SETUP_S) * fps).ceil().max(1.0) as u64);
+    let mut source = Source::opened(cameras, &queue, &answering, listener)?;
+    let setup_frames = match frames {
+        Some(frames) => source.first_frames(frames)?,
+        None => 0..0,
+    };
+    let ended = with_threads(wanted(&config), || {
+        let mut tracking = Tracking { answering: &answering, queue: &queue };
+        tracked(&mut source, setup_frames, resolved, claim, &mut tracking, listener)
+    });
+    if let Ok(Some(Outcome { summary, .. })) = &ended {
+        answering.post(answer::end(summary, queue.state().skipped, answering.dropped()));
+    }
+    answering.end();
+    let outcome = ended?.ok_or(LiveError::NoFrame)?;
+    sinew_results::forget_derived(&config.out)?;
+    Ok(outcome)
+}
+
+/// Settings that a live run can carry out; the calibration.
+fn check(resolved: &Resolved, config: &TrackConfig) -> Result<PathBuf, Error> {
+    const OF_FILES: [&str; 9] =
+        ["keypoints", "silhouettes", "images", "init", "frames", "setup_frames", "trim", "lag", "smooth"];
+    if let Some(setting) = OF_FILES.into_iter().find(|setting| resolved.is_given(setting)) {
+        return Err(LiveError::OfFiles(setting).into());
+    }
+    config.calibration.clone().ok_or(Error::NothingToTrack { calibration: false, observation: true })
+}
+
+/// The run itself.
+fn tracked(
+    source: &mut Source<'_>,
+    setup_frames: Range<u64>,
+    resolved: &Resolved,
+    claim: sinew_results::Claim,
+    answers: &mut Tracking<'_>,
+    listener: &dyn Listener,
+) -> Result<Option<Outcome>, crate::Error> {
+    let mut counter = PassCounter::new(listener);
+    let stop = listener.stop();
+    let mut at = |pass, done, total| counter.at(pass, done, total);
+    let mut watch = Watch { progress: &mut at, stop: &stop };
+    track_live(source, setup_frames, resolved, claim, &mut watch, answers)
+}
+
+/// Posts what is known of a frame.
+struct Tracking<'a> {
+    answering: &'a Answering,
+    queue: &'a Queue,
+}
+
+impl Answers for Tracking<'_> {
+    fn begin(&mut self, info: &RunInfo) {
+        self.answering.post(answer::begin(info));
+    }
+
+    fn frame(&mut self, estimate: &FrameEstimate) {
+        let skipped = self.queue.state().skipped;
+        self.answering.post_at_once(answer::frame(estimate, skipped));
+    }
+}

@@ -1,0 +1,112 @@
+//! A run of one person: from the beginning, or from where it was stopped.
+
+use super::claimed::{claimed, claimed_in};
+use super::listener::{Listener, PassCounter};
+use super::pieces::{RESUME, calibration, setup_frames, within};
+use super::request::{CameTo, Run};
+use super::resume::{Start, stopped_run};
+use super::settings::reading;
+use super::threads::{wanted, with_threads};
+use super::{people, refined_calibration};
+use crate::Error;
+use crate::config::Resolved;
+use crate::input::footage::Footage;
+use crate::input::one_person::OnePerson;
+use crate::input::roll::Roll;
+use crate::input::source::FrameSource;
+use crate::track::job::{self, Outcome, RunPhase, Watch};
+use sinew_results::{Claim, ResultFolder, problem, refuse_inputs};
+use std::ops::Range;
+use std::path::PathBuf;
+
+/// A run into the folder of the settings, with what is said of it and made besides.
+pub(crate) fn track<S: FrameSource + Send>(
+    run: Run<'_>,
+    source: &mut S,
+    setup_frames: Range<u64>,
+    claim: Option<Claim>,
+) -> Result<CameTo, Error> {
+    let Run { resolved, request, read_from, listener, .. } = run;
+    let config = resolved.track();
+    if !request.resume {
+        people::forget_people(&config, read_from)?;
+    }
+    let start = match claim {
+        Some(claim) => Start::New(claim),
+        None if request.resume => stopped_run(&config, read_from, listener)?,
+        None => Start::New(claimed_in(request.storage(), &config, read_from, listener)?),
+    };
+    let mut counter = PassCounter::new(listener);
+    let mut at = |pass, done, total| counter.at(pass, done, total);
+    let came_to = tracked(source, setup_frames, resolved, start, wanted(&config), listener, &mut at);
+    let came_to = came_to.inspect_err(|error| {
+        if let Error::Results(sinew_results::Error::Checkpoint { .. }) = error {
+            return;
+        }
+        // What is odd about the input may be why it could not be tracked.
+        listener.warnings(&source.warnings());
+        if config.out.join(problem::NAME).exists() {
+            listener.note(&format!("the frames before are kept in {}; {RESUME}", config.out.display()));
+        }
+    })?;
+    if let Some(path) = &request.write_calibration {
+        refined_calibration::write(path, &config, run.calibration, listener)?;
+    }
+    if let CameTo::One(_) = came_to {
+        sinew_results::forget_derived(&config.out)?;
+    }
+    Ok(came_to)
+}
+
+/// One run into its own folder, without anything besides; of one of several people, if they are named.
+///
+/// # Errors
+/// [`Error`], as [`super::track`].
+pub fn track_alone(
+    resolved: &Resolved,
+    chosen: Option<(&Roll, usize)>,
+    read_from: &[PathBuf],
+    listener: &dyn Listener,
+) -> Result<Outcome, Error> {
+    let config = resolved.track();
+    refuse_inputs(&config.out, read_from)?;
+    job::check_settings(resolved)?;
+    let mut recording = Footage::open(&config.files(&calibration(&config)?), &reading(&config))?;
+    let frames = setup_frames(&config, &recording)?;
+    let claim = claimed(&config, read_from, listener)?;
+    let mut counter = PassCounter::new(listener);
+    let mut watch = Watch { progress: &mut |pass, done, total| counter.at(pass, done, total), stop: &listener.stop() };
+    with_threads(wanted(&config), || match chosen {
+        None => job::track(&mut recording, frames, resolved, claim, &mut watch, None),
+        Some((roll, person)) => {
+            let frames = within(&frames, &roll.people[person].frames);
+            let mut source = OnePerson { source: &mut recording, roll, person };
+            job::track(&mut source, frames, resolved, claim, &mut watch, None)
+        }
+    })
+}
+
+/// The run itself on that many threads, or where it is complete, a check that it is the same.
+pub(crate) fn tracked<S: FrameSource + Send>(
+    source: &mut S,
+    setup_frames: Range<u64>,
+    resolved: &Resolved,
+    start: Start,
+    threads: usize,
+    listener: &dyn Listener,
+    progress: &mut (dyn FnMut(RunPhase, u64, u64) + Send),
+) -> Result<CameTo, Error> {
+    let stop = listener.stop();
+    let mut watch = Watch { progress, stop: &stop };
+    let (claim, from) = match start {
+        Start::New(claim) => (claim, None),
+        Start::At(claim, checkpoint) => (claim, Some(*checkpoint)),
+        Start::Complete(claim, summary) => {
+            job::check_complete(source, setup_frames, resolved, claim.folder(), &summary, &mut watch)?;
+            ResultFolder::forget(&claim)?;
+            return Ok(CameTo::Complete(summary));
+        }
+    };
+    let run = || job::track(source, setup_frames, resolved, claim, &mut watch, from);
+    Ok(CameTo::One(Box::new(with_threads(threads, run)?)))
+}

@@ -1,0 +1,246 @@
+//! `sinew track` of everybody: who is there, then a run a person, each into a folder of its own.
+//!
+//! A person is tracked as though he were alone, with the same seed: results of one depend on others only where it is decided who is who.
+//! People are tracked beside each other where there are threads for it.
+
+use super::listener::{Counter, Listener};
+use super::one_person::tracked;
+use super::pieces::{setup_frames, within};
+use super::refined_calibration;
+use super::request::{CameTo, Run};
+use super::resume::{Start, stopped_or_begun};
+use super::settings::reading;
+use super::threads::{beside_each_other, wanted};
+use crate::Error;
+use crate::config::TrackConfig;
+use crate::input::footage::Footage;
+use crate::input::one_person::OnePerson;
+use crate::input::roll::Roll;
+use crate::input::source::FrameSource as _;
+use crate::track::job::RunPhase;
+use sinew_results::people::{PeopleSummary, person_folder};
+use sinew_results::{Claim, OWN_NAMES, RESULT_NAMES, Summary, claim, claim_in, claim_to_resume, remove};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+/// Folder of the tracked person whom two cameras saw in most frames: his set-up knows most of the cameras.
+fn most_seen(out: &Path, roll: &Roll) -> PathBuf {
+    let is_tracked = |person: &usize| out.join(person_folder(*person)).join("setup.toml").is_file();
+    let most = (0..roll.people.len())
+        .filter(is_tracked)
+        .max_by_key(|&person| (roll.people[person].seen, std::cmp::Reverse(person)));
+    out.join(person_folder(most.unwrap_or_default()))
+}
+
+/// Tracks everybody.
+pub(crate) fn track(run: Run<'_>, roll: &Roll, claim: Option<Claim>) -> Result<PeopleSummary, Error> {
+    let Run { resolved, request, calibration, read_from, listener } = run;
+    let config = resolved.track();
+    let _claim = claim.map_or_else(|| claim_to_resume(&config.out, read_from), Ok)?;
+    if !request.resume {
+        forget_people(&config, read_from)?;
+        forget_one(&config.out)?;
+    }
+    let cameras = Footage::open(&config.files(calibration), &reading(&config))?;
+    let cameras = cameras.cameras().iter().map(|camera| camera.name.clone()).collect();
+    let mut summary = PeopleSummary::begun(cameras, config.settings()?.fps, &roll.people);
+    summary.write(&config.out)?;
+    listener.note(&format!("{} people, each tracked into a folder of {}", roll.people.len(), config.out.display()));
+    let refused = everybody(run, roll, &config, &mut summary)?;
+    let interrupted = !summary.complete;
+    summary.write(&config.out)?;
+    if let Some(path) = request.write_calibration.as_ref().filter(|_| !interrupted) {
+        let config = resolved.into_folder(&most_seen(&config.out, roll)).track();
+        refined_calibration::write(path, &config, calibration, listener)?;
+    }
+    match refused.filter(|_| summary.people.iter().all(|person| person.failed.is_some())) {
+        Some(error) => Err(error),
+        None => Ok(summary),
+    }
+}
+
+/// Tracks people beside each other, as many as there are threads; the first error that only concerns one of them.
+fn everybody(
+    run: Run<'_>,
+    roll: &Roll,
+    config: &TrackConfig,
+    summary: &mut PeopleSummary,
+) -> Result<Option<Error>, Error> {
+    let (people, threads) = (roll.people.len(), wanted(config));
+    let workers = threads.min(people);
+    let progress = PeopleCounter::start(run.listener, roll, config.smooth);
+    let track = |person| one(run, (roll, person), threads / workers, &progress);
+    let ends = |outcome: &Result<Tracked, Error>| match outcome {
+        Ok(tracked) => !tracked.complete,
+        Err(error) => !is_refusal(error),
+    };
+    let outcomes = beside_each_other(people, workers, track, ends);
+    drop(progress);
+    let mut refused = None;
+    let mut interrupted = false;
+    let mut said = WarningsOfAll::default();
+    for (tracked, outcome) in summary.people.iter_mut().zip(outcomes) {
+        match outcome {
+            Some(Ok(Tracked { complete, failed_diagnostics, warnings, about_recording })) => {
+                said.add(tracked.person, &warnings, &about_recording);
+                tracked.trusted = complete && failed_diagnostics.is_empty();
+                tracked.failed_diagnostics = failed_diagnostics;
+                tracked.complete = complete;
+                interrupted |= !complete;
+            }
+            Some(Err(error)) if is_refusal(&error) => {
+                said.add(tracked.person, &[format!("not tracked: {error}")], &[]);
+                tracked.failed = Some(error.to_string());
+                refused = refused.or(Some(error));
+            }
+            Some(Err(Error::Interrupted(_))) | None => interrupted = true,
+            Some(Err(error)) => return Err(error),
+        }
+    }
+    run.listener.warnings(&said.words());
+    summary.complete = !interrupted;
+    Ok(refused)
+}
+
+/// What is odd, each text once with the people of whom it is said; what is odd about the recording itself is said of nobody.
+#[derive(Default)]
+struct WarningsOfAll(Vec<(String, Vec<usize>)>);
+
+impl WarningsOfAll {
+    fn add(&mut self, person: usize, warnings: &[String], about_recording: &[String]) {
+        for text in warnings {
+            let known = self.0.iter().position(|(known, _)| known == text);
+            let place = known.unwrap_or_else(|| {
+                self.0.push((text.clone(), vec![]));
+                self.0.len() - 1
+            });
+            if !about_recording.contains(text) {
+                self.0[place].1.push(person);
+            }
+        }
+    }
+
+    fn words(&self) -> Vec<String> {
+        let words = |(text, people): &(String, Vec<usize>)| {
+            let people: Vec<String> = people.iter().map(usize::to_string).collect();
+            match people.len() {
+                0 => text.clone(),
+                1 => format!("person {}: {text}", people[0]),
+                _ => format!("people {}: {text}", people.join(", ")),
+            }
+        };
+        self.0.iter().map(words).collect()
+    }
+}
+
+/// Whether a person cannot be tracked, and others may be.
+const fn is_refusal(error: &Error) -> bool {
+    error.file().is_none() && matches!(error, Error::Results(sinew_results::Error::Setup(_)) | Error::Tracking(_))
+}
+
+/// A counter of all, and the frames of each person that were tracked and smoothed.
+type Shown<'a> = (Box<dyn Counter + 'a>, Vec<[u64; 2]>);
+
+/// Progress over everybody's frames.
+struct PeopleCounter<'a> {
+    shown: Mutex<Shown<'a>>,
+}
+
+impl<'a> PeopleCounter<'a> {
+    fn start(listener: &'a dyn Listener, roll: &Roll, smooth: bool) -> Self {
+        let people = &roll.people;
+        let frames: u64 = people.iter().map(|person| person.frames.end - person.frames.start).sum();
+        let total = if smooth { 2 * frames } else { frames };
+        let progress = listener.counter("tracking", "frames of all people", total);
+        Self { shown: Mutex::new((progress, vec![[0; 2]; people.len()])) }
+    }
+
+    /// All frames of a person are done.
+    fn done(&self, person: usize, frames: u64, smooth: bool) {
+        self.at(person, RunPhase::Track, frames);
+        if smooth {
+            self.at(person, RunPhase::Smooth, frames);
+        }
+    }
+
+    fn at(&self, person: usize, pass: RunPhase, done: u64) {
+        let place = match pass {
+            RunPhase::Track => 0,
+            RunPhase::Smooth => 1,
+            RunPhase::Check | RunPhase::SetUp => return,
+        };
+        let mut shown = self.shown.lock().unwrap_or_else(PoisonError::into_inner);
+        shown.1[person][place] = done;
+        let all = shown.1.iter().flatten().sum();
+        shown.0.at(all);
+    }
+}
+
+/// Removes the results of people of a run before; refuses results and stopped runs that are not to be replaced.
+pub(crate) fn forget_people(config: &TrackConfig, read_from: &[PathBuf]) -> Result<(), Error> {
+    let folder = config.out.join("people");
+    if !folder.is_dir() {
+        return Ok(());
+    }
+    let failed = |error| Error::io("read", &folder)(error);
+    for entry in std::fs::read_dir(&folder).map_err(failed)? {
+        drop(claim(&entry.map_err(failed)?.path(), read_from, config.force)?);
+    }
+    std::fs::remove_dir_all(&folder).map_err(Error::io("remove", &folder))?;
+    Ok(remove(&config.out.join("people.csv"))?)
+}
+
+/// Removes the results of a run of one person, in whose place results of several come.
+fn forget_one(out: &Path) -> Result<(), Error> {
+    RESULT_NAMES.iter().chain(&OWN_NAMES).try_for_each(|name| remove(&out.join(name)))?;
+    Ok(sinew_results::forget_derived(out)?)
+}
+
+/// How the run of a person ended.
+struct Tracked {
+    complete: bool,
+    failed_diagnostics: Vec<String>,
+    warnings: Vec<String>,
+    /// What of them is odd about the recording itself.
+    about_recording: Vec<String>,
+}
+
+/// One person, from the beginning or from where their run was stopped.
+fn one(
+    run: Run<'_>,
+    (roll, person): (&Roll, usize),
+    threads: usize,
+    progress: &PeopleCounter<'_>,
+) -> Result<Tracked, Error> {
+    let out = run.resolved.track().out.join(person_folder(person));
+    let resolved = run.resolved.for_person(person + 1, &out);
+    let config = resolved.track();
+    let mut recording = Footage::open(&config.files(run.calibration), &reading(&config))?;
+    let seen = roll.people[person].frames.clone();
+    let frames = within(&setup_frames(&config, &recording)?, &seen);
+    let is_begun = run.request.resume && out.is_dir();
+    let stopped = if is_begun { stopped_or_begun(&config, run.read_from, run.listener)? } else { None };
+    let start = match stopped {
+        Some(stopped) => stopped,
+        None => Start::New(claim_in(run.request.storage(), &out, run.read_from, config.force)?),
+    };
+    let mut source = OnePerson { source: &mut recording, roll, person };
+    let mut at = |pass, done, _| progress.at(person, pass, done);
+    match tracked(&mut source, frames, &resolved, start, threads, run.listener, &mut at)? {
+        CameTo::One(outcome) => {
+            let Summary { complete, failed_diagnostics, warnings, .. } = outcome.summary;
+            Ok(Tracked { complete, failed_diagnostics, warnings, about_recording: recording.warnings() })
+        }
+        CameTo::Complete(summary) => {
+            progress.done(person, seen.end - seen.start, config.smooth);
+            let failed_diagnostics = texts(&summary, "failed_diagnostics");
+            Ok(Tracked { complete: true, failed_diagnostics, warnings: vec![], about_recording: vec![] })
+        }
+        CameTo::Several(_) => unreachable!("one person was tracked"),
+    }
+}
+
+fn texts(summary: &serde_json::Value, key: &str) -> Vec<String> {
+    let all = summary[key].as_array().into_iter().flatten();
+    all.filter_map(|text| text.as_str()).map(str::to_owned).collect()
+}

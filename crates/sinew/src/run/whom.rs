@@ -1,0 +1,113 @@
+//! Whom a run tracks: everybody, one of several by his number, or the most complete one at the start.
+//!
+//! People are named over the whole recording first, where two cameras or more have keypoints of it for long enough.
+
+use super::listener::Listener;
+use super::pieces::setup_frames;
+use super::settings::reading;
+use crate::Error;
+use crate::config::value::Value;
+use crate::config::{Resolved, TrackConfig};
+use crate::input::footage::Footage;
+use crate::input::roll::{LEAST_S, Roll};
+use crate::input::source::FrameSource as _;
+use crate::observe::association;
+use sinew_results::Claim;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+/// Frames in which it is looked whether somebody else is in view.
+const LOOKED_AT: usize = 60;
+
+/// Whom a run tracks.
+pub enum Whom {
+    /// The most complete one at the start.
+    MostComplete,
+    /// One of several, by his place.
+    One(Roll, usize),
+    /// Several.
+    Everybody(Roll),
+}
+
+/// Whom to track, and the output folder, if it was `claimed` before people were looked for.
+///
+/// # Errors
+/// [`Error::NoSuchPerson`], [`Error::SetupFrames`]; errors of the recording and of `claimed`.
+pub fn looked_for(
+    resolved: &Resolved,
+    calibration: &Path,
+    listener: &dyn Listener,
+    claimed: impl Fn() -> Result<Option<Claim>, Error>,
+) -> Result<(Option<Claim>, Whom), Error> {
+    let config = resolved.track();
+    let is_one = resolved.get("people").is_some_and(|people| *people == Value::Text("1".into()));
+    if config.silhouettes.is_some() || (is_one && config.person.is_none()) {
+        return Ok((None, Whom::MostComplete));
+    }
+    let mut recording = Footage::open(&config.files(calibration), &reading(&config))?;
+    if let Some(why) = not_looked_for(resolved, &config, &recording)? {
+        if config.person.is_none() && others_in_view(&mut recording)? {
+            listener.warning(&why);
+        }
+        return Ok((None, Whom::MostComplete));
+    }
+    // Mistakes in the settings are said before what is in the folder.
+    setup_frames(&config, &recording)?;
+    let claim = claimed()?;
+    let roll = called(&mut recording, config.settings()?.fps, listener)?;
+    let found = roll.people.len();
+    match config.person {
+        None if found > 1 => Ok((claim, Whom::Everybody(roll))),
+        Some(chosen) if chosen > found && found > 0 => Err(Error::NoSuchPerson { chosen, found }),
+        Some(chosen) if found > 1 => Ok((claim, Whom::One(roll, chosen - 1))),
+        _ => Ok((claim, Whom::MostComplete)),
+    }
+}
+
+/// Everybody over the recording.
+fn called(recording: &mut Footage, fps: f64, listener: &dyn Listener) -> Result<Roll, Error> {
+    let frames = recording.frames();
+    let mut counter = listener.counter("who is there", "frames", frames.end - frames.start);
+    let stop = listener.stop();
+    let roll = Roll::call(recording, frames.clone(), fps, &association::Config::default(), |done| {
+        counter.at(done);
+        if stop.load(Ordering::Relaxed) {
+            return Err(crate::Error::Interrupted("while people were looked for; nothing was written"));
+        }
+        Ok(())
+    })?;
+    counter.at(frames.end - frames.start);
+    Ok(roll)
+}
+
+/// Why nobody but one person is looked for; `None` where everybody can be named.
+fn not_looked_for(resolved: &Resolved, config: &TrackConfig, recording: &Footage) -> Result<Option<String>, Error> {
+    let Range { start, end } = recording.frames();
+    let frames = end - start;
+    let kind = resolved.single_person_setting().filter(|_| config.person.is_none());
+    let because = match (kind, recording.cameras().len()) {
+        (Some(kind), _) => format!("`--{kind}` is of one person; `--person N` says which"),
+        (None, 0 | 1) => "with one camera nobody can find out who is who; this is the most complete one at the start \
+                          (`--person` chooses)"
+            .into(),
+        (None, _) if (frames as f64) < LEAST_S * config.settings()?.fps => format!(
+            "{frames} frames are less than a quarter of a second, too few to find out who is who; this is the most \
+             complete one at the start (`--person` chooses)"
+        ),
+        _ => return Ok(None),
+    };
+    Ok(Some(format!("others are in view, too, and only one person is tracked: {because}")))
+}
+
+/// Whether a camera shows more than one person in some of evenly spaced frames.
+fn others_in_view(recording: &mut Footage) -> Result<bool, Error> {
+    let frames = recording.frames();
+    let stride = usize::try_from(frames.end - frames.start).unwrap_or(usize::MAX).div_ceil(LOOKED_AT).max(1);
+    for number in frames.step_by(stride) {
+        if recording.people(number)?.iter().any(|view| view.len() > 1) {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
