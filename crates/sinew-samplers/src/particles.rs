@@ -9,9 +9,9 @@
 //! Where the exponent of the likelihood depends on its values, [`reweight`] is [`evaluate`] and [`temper`]; where the states move by a rule that is no transition, [`predict`] is [`move_by`]; where they are chosen by
 //! other probabilities than their weights, [`select`] takes them with the weights that they keep.
 
+use crate::population::Population;
 use crate::resample::{self, Ancestors, Scheme};
 use crate::weights::{effective_number, largest, normalise};
-use crate::population::Population;
 use crate::{Error, moments};
 use rayon::prelude::*;
 use sinew_core::density::LogDensity;

@@ -54,7 +54,14 @@ fn main() -> Result<(), sinew_tracking::Error> {
         let mean = |axis: usize| paths.iter().map(|path| path[4 * frame + axis]).sum::<f64>() / 50.0;
         println!(
             "frame {frame:2}: at ({:5.2}, {:5.2}), then ({:5.2} ± {:.2}, {:5.2} ± {:.2}), from all bearings ({:5.2}, {:5.2})",
-            place(frame)[0], place(frame)[1], now.mean[0], now.sd[0], now.mean[1], now.sd[1], mean(0), mean(1)
+            place(frame)[0],
+            place(frame)[1],
+            now.mean[0],
+            now.sd[0],
+            now.mean[1],
+            now.sd[1],
+            mean(0),
+            mean(1)
         );
     }
     Ok(())

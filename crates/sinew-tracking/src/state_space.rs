@@ -25,7 +25,7 @@
 //! }
 //! let returns = [0.3, -1.2, 0.8, 2.5, -2.1, 0.1];
 //! let filtered = filter(&Volatility, &returns, Settings { particles: 2000, seed: 42, ..Settings::default() })?;
-//! assert!((filtered.log_evidence + 10.43).abs() < 0.1, "{}", filtered.log_evidence);
+//! assert!((filtered.log_evidence + 11.68).abs() < 0.1, "{}", filtered.log_evidence);
 //! let last = &filtered.frames[5];
 //! println!("x = {:.2} ± {:.2}, effective number {:.0}", last.mean[0], last.sd[0], last.ess);
 //! # Ok::<(), sinew_tracking::Error>(())
@@ -127,7 +127,11 @@ pub struct Frame {
 ///
 /// # Errors
 /// [`Error::Config`] and [`Error::Samplers`] for settings or a model without dimension; [`Error::Frame`] with the frame that no particle explains, or whose log density is NaN or +∞.
-pub fn filter<M: StateSpace>(model: &M, observations: &[M::Observation], settings: Settings) -> Result<Filtered, Error> {
+pub fn filter<M: StateSpace>(
+    model: &M,
+    observations: &[M::Observation],
+    settings: Settings,
+) -> Result<Filtered, Error> {
     Ok(filtered(model, observations, &settings, false)?.0)
 }
 

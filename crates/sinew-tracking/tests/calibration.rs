@@ -5,8 +5,8 @@ use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::{BlockRng, Stage};
 use sinew_core::toy::Quadratic;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
-use sinew_tracking::{Belief, Tracker};
 use sinew_tracking::hmc_filter::{Config, HmcFilter};
+use sinew_tracking::{Belief, Tracker};
 
 const STEP: f64 = 0.1;
 

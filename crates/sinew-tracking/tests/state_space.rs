@@ -43,9 +43,8 @@ impl StateSpace for Cart {
         next[1] = SLOWED * previous[1] + STEP[1] * rng.normal();
     }
     fn log_density(&self, _frame: usize, observation: &Option<f64>, state: &[f64]) -> f64 {
-        observation.map_or(0.0, |y| {
-            -0.5 * ((y - state[0]) / ERROR).powi(2) - ERROR.ln() - 0.5 * std::f64::consts::TAU.ln()
-        })
+        observation
+            .map_or(0.0, |y| -0.5 * ((y - state[0]) / ERROR).powi(2) - ERROR.ln() - 0.5 * std::f64::consts::TAU.ln())
     }
 }
 
