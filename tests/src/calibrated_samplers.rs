@@ -129,7 +129,7 @@ pub fn annealed(seed: u64, size: Size) -> (Report, Ranks) {
         let [to_draw, to_search] = stage(rng).split(["draw", "search"]);
         let draw =
             |block: usize, states: &mut [Block]| prior.sample_block(block, states, &mut to_draw.block(block as u32));
-        let start = Population::draw(body.dim(), 4 * n, draw).expect("a population");
+        let start = Population::from_blocks(body.dim(), 4 * n, draw).expect("a population");
         let config = annealed_search::Config::default();
         let found = search(&body.posterior(y), &start, &sd, &config, Isa::best(), to_search).expect("weights");
         (0..n).map(|i| found.population.state(4 * i)).collect()

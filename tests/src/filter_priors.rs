@@ -13,7 +13,7 @@ use sinew::core::random::{BlockRng, Stage};
 use sinew::core::toy::Quadratic;
 use sinew::core::transition::{Cloud, Predict};
 use sinew::dynamics::random_walk::{Between, RandomWalk};
-use sinew::tracking::Tracker;
+use sinew::tracking::{Belief, Tracker};
 use sinew::tracking::hmc_filter::{Config, HmcFilter};
 use sinew::tracking::posterior::Posterior;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -202,7 +202,7 @@ impl Walk {
                 continue;
             }
             mixed += usize::from(info.r_hat.is_none_or(|r| r > 1.05));
-            let posterior = Tracker::<Lanes<Quadratic>>::posterior(&filter);
+            let posterior = filter.posterior();
             let moments = posterior.moments(isa);
             for (j, truth) in truth.iter().enumerate() {
                 let (mean, variance) = (exact.mean[j], exact.variance[j]);
@@ -301,7 +301,7 @@ impl ArmSeries {
         let mut errors = vec![];
         for (frame, sight) in self.sights.iter().enumerate() {
             filter.step(sight, stage.round(frame)).expect("posterior");
-            let posterior = Tracker::<ArmSight>::posterior(&filter);
+            let posterior = filter.posterior();
             let mut masses = [0.0; 8];
             let mut state = [0.0; 3];
             for (i, w) in posterior.weights.iter().enumerate() {

@@ -11,7 +11,7 @@ use sinew::core::transition::Moments;
 use sinew::dynamics::kalman::Form;
 use sinew::samplers::resample::multinomial;
 use sinew::samplers::weights::normalise;
-use sinew::tracking::Tracker;
+use sinew::tracking::{Belief, Tracker};
 use sinew::tracking::hmc_filter::{Config, HmcFilter};
 
 /// Errors of one run: of log Z and means as for particles, and the mean squared relative error of the variances.
@@ -79,7 +79,7 @@ pub fn hmc(series: &Series, chains: usize, stage: &Stage) -> FilterErrors {
     let mut tally = Tally::new();
     for (frame, exact) in series.kalman().iter().enumerate() {
         let info = filter.step(&white.sight(frame), stage.round(frame)).expect("posterior");
-        let moments = Tracker::<Sight>::posterior(&filter).moments(Isa::best());
+        let moments = filter.posterior().moments(Isa::best());
         let mean: Vec<f64> =
             lower.chunks(d).map(|row| row.iter().zip(&moments.mean).map(|(l, m)| l * m).sum()).collect();
         let covariance = product(&product(&lower, &moments.covariance, d), &transposed, d);

@@ -6,7 +6,8 @@
 //! - stream = frame << 32 | block of eight particles or chains.
 //!
 //! So results do not depend on the number of threads, any block can be replayed alone, and seed *n* shares nothing with seed *n* + 1.
-//! A [`Stage`] is consumed by the verb that uses it: drawing twice from one stage does not compile.
+//! A [`Stage`] is neither `Copy` nor `Clone`, and a verb takes it by value, so that no two verbs share one by mistake. Within a verb [`Stage::block`] and [`Stage::round`] borrow it: each block and each round is asked for
+//! once, since the same one gives the same numbers again.
 //!
 //! Normal deviates are drawn in lanes by Box & Muller (1958) from 32-bit uniforms (`(k + ½) · 2⁻³²`), so no deviate exceeds 6.77 in size.
 //!
@@ -21,12 +22,12 @@
 //! ```
 
 use crate::elementary::{ln, sin_cos_turns};
-use crate::lanes::{Block, Isa, Kernel, LANES, Real, Word, dispatch};
+use crate::lanes::{Block, Isa, Kernel, LANES, Real, Word, dispatch, numbers};
 use rand::SeedableRng;
 use rand::rand_core::{Infallible, TryRng};
 use rand_chacha::ChaCha8Rng;
 
-/// Key and frame of one use of randomness. Not `Clone`: a stage is used once.
+/// Key and frame of one use of randomness.
 #[derive(Debug)]
 pub struct Stage {
     key: [u8; 32],
@@ -75,7 +76,7 @@ impl Stage {
     pub fn block(&self, block: u32) -> BlockRng {
         let mut rng = ChaCha8Rng::from_seed(self.key);
         rng.set_stream(u64::from(self.frame) << 32 | u64::from(block));
-        BlockRng(rng)
+        BlockRng { generator: rng, normals: [Block::ZERO; 2], left: 0 }
     }
 
     /// The generator of a verb that is not divided into blocks.
@@ -87,18 +88,23 @@ impl Stage {
 
 /// Random numbers for one block; a [`rand::Rng`].
 #[derive(Clone, Debug)]
-pub struct BlockRng(ChaCha8Rng);
+pub struct BlockRng {
+    generator: ChaCha8Rng,
+    /// Deviates for [`BlockRng::normal`], of which the first `left` have not been drawn.
+    normals: [Block; 2],
+    left: usize,
+}
 
 impl TryRng for BlockRng {
     type Error = Infallible;
     fn try_next_u32(&mut self) -> Result<u32, Infallible> {
-        self.0.try_next_u32()
+        self.generator.try_next_u32()
     }
     fn try_next_u64(&mut self) -> Result<u64, Infallible> {
-        self.0.try_next_u64()
+        self.generator.try_next_u64()
     }
     fn try_fill_bytes(&mut self, dst: &mut [u8]) -> Result<(), Infallible> {
-        self.0.try_fill_bytes(dst)
+        self.generator.try_fill_bytes(dst)
     }
 }
 
@@ -143,6 +149,22 @@ impl Kernel<Block> for BoxMuller<'_> {
 }
 
 impl BlockRng {
+    /// One uniform number in (0, 1).
+    pub fn uniform(&mut self) -> f64 {
+        ((rand::Rng::next_u64(self) >> 12) as f64 + 0.5) / (1_u64 << 52) as f64
+    }
+
+    /// One standard normal deviate; its bits do not depend on an instruction set. Sixteen are made at a time.
+    pub fn normal(&mut self) -> f64 {
+        if self.left == 0 {
+            let mut normals = [Block::ZERO; 2];
+            self.fill_normal(Isa::baseline(), &mut normals);
+            (self.normals, self.left) = (normals, 2 * LANES);
+        }
+        self.left -= 1;
+        numbers(&self.normals)[self.left]
+    }
+
     /// Fills with uniform numbers in (0, 1); their bits do not depend on an instruction set.
     pub fn fill_uniform(&mut self, out: &mut [Block]) {
         for out in out.chunks_mut(AT_ONCE) {
@@ -162,7 +184,7 @@ impl BlockRng {
     /// Words for `count` ≤ [`AT_ONCE`] blocks.
     fn words(&mut self, count: usize) -> Words {
         let mut words = [[Word::default(); LANES]; AT_ONCE];
-        rand::Rng::fill_bytes(&mut self.0, words[..count].as_flattened_mut().as_flattened_mut());
+        rand::Rng::fill_bytes(&mut self.generator, words[..count].as_flattened_mut().as_flattened_mut());
         words
     }
 }
@@ -245,6 +267,19 @@ mod tests {
     fn the_same_stage_gives_the_same_numbers() {
         let draw = || prefix(&mut Stage::new(1, "x").at_frame(9).round(4).block(3));
         assert_eq!(draw(), draw());
+    }
+
+    /// One after the other they are what sixteen at a time give, from the last to the first, and a copy goes on alike.
+    #[test]
+    fn single_deviates_are_those_of_blocks() {
+        let (mut rng, mut blocks) = (Stage::new(3, "single").block(1), [Block::ZERO; 2]);
+        Stage::new(3, "single").block(1).fill_normal(Isa::baseline(), &mut blocks);
+        let drawn: Vec<f64> = (0..16).map(|_| rng.normal()).collect();
+        assert!(drawn.iter().rev().eq(numbers(&blocks)));
+        let mut copy = rng.clone();
+        assert!((0..40).all(|_| rng.normal() == copy.normal()) && (0..40).all(|_| rng.uniform() == copy.uniform()));
+        let mean = (0..10_000).map(|_| rng.uniform()).sum::<f64>() / 1e4;
+        assert!((mean - 0.5).abs() < 5.0 * (1.0 / 12e4_f64).sqrt(), "{mean}");
     }
 
     #[test]

@@ -1,10 +1,12 @@
 //! How a state moves from one frame to the next.
 //!
+//! Methods take blocks of eight states. A motion that is written for one state is a [`ScalarTransition`]; any other method on blocks is written for one state by [`lane_by_lane`].
+//!
 //! A [`MotionModel`] may learn from the estimates of the frames. [`Transition`] draws and evaluates; [`GradTransition`] adds the gradient; [`PartTransition`] moves one [`Part`] only, [`LevelMotion`] all parts of one depth. A filter that needs the *marginal* prior of a
 //! frame, given a cloud of draws of the frame before, asks for [`Predict`]: how the cloud is summarised (a mixture, a Gaussian) is a value of the transition.
 
 use crate::density::GradLogDensity;
-use crate::lanes::{Block, LANES};
+use crate::lanes::{Block, LANES, get_lane, set_lane};
 use crate::part::Part;
 use crate::random::BlockRng;
 
@@ -46,6 +48,110 @@ pub trait Transition: MotionModel {
 
     /// `log p(next | previous)` with all constants.
     fn log_density(&self, previous: &[f64], next: &[f64]) -> f64;
+}
+
+/// A transition written for one state at a time, without blocks and lanes: [`OneByOne`] makes a [`Transition`] of it.
+pub trait ScalarTransition: Sync {
+    /// Dimension of the state.
+    fn dim(&self) -> usize;
+
+    /// Draws the next state from the previous one.
+    fn sample(&self, previous: &[f64], next: &mut [f64], rng: &mut BlockRng);
+
+    /// Draws a state of the first frame around a given one; by default, a step from it.
+    fn sample_initial(&self, centre: &[f64], next: &mut [f64], rng: &mut BlockRng) {
+        self.sample(centre, next, rng);
+    }
+
+    /// `log p(next | previous)` with all constants.
+    fn log_density(&self, previous: &[f64], next: &[f64]) -> f64;
+}
+
+/// A [`ScalarTransition`] that moves the coordinates of one part and leaves the others, with the law of [`PartTransition`].
+pub trait ScalarPartTransition: ScalarTransition {
+    /// Draws the part's coordinates of `next`, which holds the previous state on entry, in the parts before this one already moved.
+    fn sample_part(&self, part: &Part, next: &mut [f64], rng: &mut BlockRng);
+}
+
+/// Moves the states of a block one after the other.
+///
+/// ```
+/// use sinew_core::random::{BlockRng, Stage};
+/// use sinew_core::transition::{OneByOne, ScalarTransition, Transition};
+///
+/// /// x is halved, with noise of standard deviation 1.
+/// struct Halved;
+/// impl ScalarTransition for Halved {
+///     fn dim(&self) -> usize {
+///         1
+///     }
+///     fn sample(&self, previous: &[f64], next: &mut [f64], rng: &mut BlockRng) {
+///         next[0] = 0.5 * previous[0] + rng.normal();
+///     }
+///     fn log_density(&self, previous: &[f64], next: &[f64]) -> f64 {
+///         -0.5 * (next[0] - 0.5 * previous[0]).powi(2) - 0.5 * std::f64::consts::TAU.ln()
+///     }
+/// }
+/// let mut eight = [sinew_core::lanes::Block::ZERO];
+/// OneByOne(Halved).sample_initial_block(&[100.0], &mut eight, &mut Stage::new(1, "example").whole());
+/// assert!(eight[0].0.iter().all(|x| (x - 50.0).abs() < 6.8));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OneByOne<T>(pub T);
+
+impl<T: ScalarTransition> MotionModel for OneByOne<T> {
+    fn dim(&self) -> usize {
+        self.0.dim()
+    }
+}
+
+impl<T: ScalarTransition> Transition for OneByOne<T> {
+    fn sample_block(&self, previous: &[Block], next: &mut [Block], rng: &mut BlockRng) {
+        lane_by_lane(previous, next, |previous, next| self.0.sample(previous, next, rng));
+    }
+
+    fn sample_initial_block(&self, centre: &[f64], next: &mut [Block], rng: &mut BlockRng) {
+        lane_by_lane(&[], next, |_, next| self.0.sample_initial(centre, next, rng));
+    }
+
+    fn log_density(&self, previous: &[f64], next: &[f64]) -> f64 {
+        self.0.log_density(previous, next)
+    }
+}
+
+impl<T: ScalarPartTransition> PartTransition for OneByOne<T> {
+    fn sample_part_block(&self, part: &Part, next: &mut [Block], rng: &mut BlockRng) {
+        lane_by_lane(&[], next, |_, next| self.0.sample_part(part, next, rng));
+    }
+}
+
+/// Numbers of two states that [`lane_by_lane`] holds without allocation.
+const FEW: usize = 64;
+
+/// Calls a function of single states on each lane of two blocks of states, of any dimensions: it reads the first state and changes the second. So any method on blocks is written for one state.
+#[inline]
+pub fn lane_by_lane(from: &[Block], to: &mut [Block], mut each: impl FnMut(&[f64], &mut [f64])) {
+    if let ([from], [to]) = (from, &mut *to) {
+        for (from, to) in from.0.iter().zip(&mut to.0) {
+            each(core::slice::from_ref(from), core::slice::from_mut(to));
+        }
+        return;
+    }
+    let length = from.len() + to.len();
+    let (mut few, mut many) = ([0.0; FEW], vec![]);
+    let states = if length <= FEW {
+        &mut few[..length]
+    } else {
+        many.resize(length, 0.0);
+        &mut many[..]
+    };
+    let (first, second) = states.split_at_mut(from.len());
+    for lane in 0..LANES {
+        get_lane(from, lane, first);
+        get_lane(to, lane, second);
+        each(first, second);
+        set_lane(to, lane, second);
+    }
 }
 
 /// A transition that can be differentiated with respect to the next state.

@@ -46,3 +46,8 @@ pub mod shared_numbers;
 pub mod smoother;
 
 pub use error::Error;
+
+/// The programs of the page are compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

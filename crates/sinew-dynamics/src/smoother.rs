@@ -50,7 +50,7 @@ impl BackwardStep {
             for (e, m) in error.iter_mut().zip(&self.predicted) {
                 e.0.iter_mut().for_each(|e| *e -= m);
             }
-            draw(state, &self.mean, Some((&self.gain, &error)), &self.root, isa, rng);
+            draw_eight(state, &self.mean, Some((&self.gain, &error)), &self.root, isa, rng);
         }
     }
 
@@ -192,14 +192,14 @@ impl Smoother {
     ) -> Result<(), Error> {
         let root = root("covariance", &filtered.covariance, self.dim)?;
         for state in last.chunks_exact_mut(self.dim) {
-            draw(state, &filtered.mean, None, &root, isa, rng);
+            draw_eight(state, &filtered.mean, None, &root, isa, rng);
         }
         Ok(())
     }
 }
 
 /// mean + gain · error + root · z, for eight trajectories.
-fn draw(
+fn draw_eight(
     state: &mut [Block],
     mean: &[f64],
     pull: Option<(&[f64], &[Block])>,

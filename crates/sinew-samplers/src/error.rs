@@ -12,6 +12,14 @@ pub enum Error {
         /// Dimension of the state.
         dim: usize,
     },
+    /// Numbers that are to be states of one dimension, one after the other.
+    #[error("{numbers} numbers are no states of dimension {dim}")]
+    Uneven {
+        /// Numbers found.
+        numbers: usize,
+        /// Dimension of the state.
+        dim: usize,
+    },
     /// No state explains the observation.
     #[error("all {count} weights are zero")]
     AllWeightsZero {

@@ -128,7 +128,7 @@ pub fn importance<T: LogDensity + ?Sized>(
         (states.clone(), log_weights)
     };
     let drawn: Vec<(Vec<Block>, Block)> = (0..count.div_ceil(LANES)).into_par_iter().map_init(scratch, draw).collect();
-    let population = Population::draw(d, count, |block, states| states.copy_from_slice(&drawn[block].0))?;
+    let population = Population::from_blocks(d, count, |block, states| states.copy_from_slice(&drawn[block].0))?;
     let log_weights: Vec<f64> = drawn.iter().flat_map(|(_, w)| w.0).take(count).collect();
     let mut weights = Vec::new();
     let log_evidence = normalise(&log_weights, &mut weights)? - (count as f64).ln();

@@ -24,6 +24,26 @@ pub fn mean(states: &[Block], dim: usize, weights: &[f64]) -> Vec<f64> {
     sum.iter().map(|b| b.0.iter().sum()).collect()
 }
 
+/// What makes the variance of draws that are worth `effective` independent ones unbiased.
+fn correction(effective: f64) -> f64 {
+    if effective > 1.0 { 1.0 / (1.0 - 1.0 / effective) } else { 1.0 }
+}
+
+/// Standard deviations of the coordinates of `weights.len()` states that are worth `effective` independent ones, about their mean.
+#[must_use]
+pub fn standard_deviations(states: &[Block], mean: &[f64], weights: &[f64], effective: f64) -> Vec<f64> {
+    let mut sums = vec![Block::ZERO; mean.len()];
+    for (states, weights) in states.chunks_exact(mean.len()).zip(weights.chunks(LANES)) {
+        let w = padded(weights);
+        for ((sum, x), m) in sums.iter_mut().zip(states).zip(mean) {
+            for lane in 0..LANES {
+                sum.0[lane] += w.0[lane] * (x.0[lane] - m) * (x.0[lane] - m);
+            }
+        }
+    }
+    sums.iter().map(|b| (correction(effective) * b.0.iter().sum::<f64>()).sqrt()).collect()
+}
+
 fn padded(weights: &[f64]) -> Block {
     let mut w = Block::ZERO;
     w.0[..weights.len()].copy_from_slice(weights);
@@ -68,7 +88,7 @@ pub fn moments(isa: Isa, states: &[Block], dim: usize, weights: &[f64], effectiv
         let weight = &padded(weights);
         dispatch(isa, Outer { states, weight, mean: &mean, centred: &mut centred, sum: &mut sum });
     }
-    let unbiased = if effective > 1.0 { 1.0 / (1.0 - 1.0 / effective) } else { 1.0 };
+    let unbiased = correction(effective);
     let mut covariance = vec![0.0; dim * dim];
     let mut entries = sum.iter().map(|b| unbiased * b.0.iter().sum::<f64>());
     for i in 0..dim {
@@ -116,6 +136,8 @@ mod tests {
                     / (1.0 - 1.0 / effective)
             };
             assert!((got.mean[1] - mean(1)).abs() < 1e-13);
+            let sds = standard_deviations(&blocks, &got.mean, &weights, effective);
+            assert!((0..2).all(|k| (sds[k] - cov(k, k).sqrt()).abs() < 1e-13));
             for (k, l) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                 assert!((got.covariance[k * 2 + l] - cov(k, l)).abs() < 1e-12);
             }

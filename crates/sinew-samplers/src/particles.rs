@@ -9,12 +9,13 @@
 //! Where the exponent of the likelihood depends on its values, [`reweight`] is [`evaluate`] and [`temper`]; where the states move by a rule that is no transition, [`predict`] is [`move_by`]; where they are chosen by
 //! other probabilities than their weights, [`select`] takes them with the weights that they keep.
 
-use crate::resample::{Ancestors, Scheme};
+use crate::population::Population;
+use crate::resample::{self, Ancestors, Scheme};
 use crate::weights::{effective_number, largest, normalise};
 use crate::{Error, moments};
 use rayon::prelude::*;
 use sinew_core::density::LogDensity;
-use sinew_core::lanes::{Block, LANES};
+use sinew_core::lanes::{Block, LANES, numbers};
 use sinew_core::random::{BlockRng, Stage};
 use sinew_core::transition::Transition;
 
@@ -33,6 +34,22 @@ pub struct Particles {
     previous_log_weights: Vec<f64>,
     ancestors: Option<Ancestors>,
     pub(crate) values: Vec<Block>,
+    room: Room,
+}
+
+/// Memory that a step uses again, so that it allocates nothing once it is there. What it holds between two calls means nothing, so a copy of the particles goes without.
+#[derive(Debug, Default)]
+struct Room {
+    ancestors: Ancestors,
+    resample: resample::Room,
+    log_weights: Vec<f64>,
+    weights: Vec<f64>,
+}
+
+impl Clone for Room {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
 }
 
 impl Particles {
@@ -63,7 +80,16 @@ impl Particles {
             previous_log_weights: vec![-(count as f64).ln(); count],
             weights: vec![1.0 / count as f64; count],
             ancestors: None,
+            room: Room::default(),
         }
+    }
+
+    /// States one after the other, equally weighted.
+    ///
+    /// # Errors
+    /// [`Error::Empty`], [`Error::Uneven`].
+    pub fn from_slice(dim: usize, states: &[f64]) -> Result<Self, Error> {
+        Ok(Population::from_slice(dim, states)?.weighted())
     }
 
     /// Dimension of the state.
@@ -100,6 +126,12 @@ impl Particles {
     #[must_use]
     pub fn previous(&self) -> &[Block] {
         &self.previous
+    }
+
+    /// Places in [`Particles::previous`] of the states that these came from; nothing where each came from itself.
+    #[must_use]
+    pub fn ancestors(&self) -> &[usize] {
+        self.ancestors.as_deref().unwrap_or_default()
     }
 
     /// Place in [`Particles::previous`] of the state that state `index` came from.
@@ -151,6 +183,15 @@ pub fn start<T: Transition + ?Sized>(particles: &mut Particles, transition: &T, 
 #[must_use]
 pub fn resample(particles: &Particles, scheme: Scheme, stage: Stage) -> Ancestors {
     scheme.ancestors(&particles.weights, particles.count, &mut stage.whole())
+}
+
+/// [`resample`] in memory of the particles, which get it back by the next [`predict`].
+#[must_use]
+pub fn resample_in_room(particles: &mut Particles, scheme: Scheme, stage: Stage) -> Ancestors {
+    let Particles { weights, count, room, .. } = particles;
+    let mut ancestors = std::mem::take(&mut room.ancestors);
+    scheme.fill(weights, *count, &mut stage.whole(), &mut ancestors, &mut room.resample);
+    ancestors
 }
 
 /// Moves the states by the transition: each from its ancestor, with equal weights, or without `ancestors` each from itself, with the weight it has.
@@ -264,7 +305,8 @@ fn advance(
         particles.log_weights.fill(-(*count as f64).ln());
         particles.weights.fill(1.0 / *count as f64);
     }
-    particles.ancestors = ancestors;
+    let former = std::mem::replace(&mut particles.ancestors, ancestors);
+    particles.room.ancestors = former.unwrap_or_default();
 }
 
 /// Takes the last [`predict`] back.
@@ -309,11 +351,13 @@ pub(crate) fn evaluate_by(
 /// # Errors
 /// [`Error::AllWeightsZero`], [`Error::BadWeight`]; the weights are then those before the call.
 pub fn temper(particles: &mut Particles, beta: f64) -> Result<f64, Error> {
-    let Particles { values, log_weights, weights, .. } = particles;
-    let powers = values.iter().flat_map(|b| b.0).map(|l| if l == f64::NEG_INFINITY { l } else { beta * l });
-    let updated: Vec<f64> = log_weights.iter().zip(powers).map(|(w, l)| w + l).collect();
-    let evidence = normalise(&updated, weights)?;
-    log_weights.iter_mut().zip(updated).for_each(|(w, u)| *w = u - evidence);
+    let Particles { values, log_weights, weights, room, .. } = particles;
+    let power = |l: f64| if l == f64::NEG_INFINITY { l } else { beta * l };
+    room.log_weights.clear();
+    room.log_weights.extend(log_weights.iter().zip(numbers(values)).map(|(w, l)| w + power(*l)));
+    let evidence = normalise(&room.log_weights, &mut room.weights)?;
+    std::mem::swap(weights, &mut room.weights);
+    log_weights.iter_mut().zip(&room.log_weights).for_each(|(w, u)| *w = u - evidence);
     Ok(evidence)
 }
 

@@ -6,7 +6,7 @@ use crate::Error;
 use crate::particles::Particles;
 use rayon::prelude::*;
 use sinew_core::density::LogDensity;
-use sinew_core::lanes::{Block, LANES};
+use sinew_core::lanes::{Block, LANES, set_lane};
 
 /// A set of states.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,11 +17,34 @@ pub struct Population {
 }
 
 impl Population {
-    /// `count` states, block by block from a function of the block's number.
+    /// States one after the other, `dim` numbers each.
+    ///
+    /// ```
+    /// use sinew_samplers::population::Population;
+    /// let population = Population::from_slice(2, &[0.0, 1.0, 10.0, 11.0, 20.0, 21.0])?;
+    /// assert_eq!((population.count(), population.state(1)), (3, vec![10.0, 11.0]));
+    /// # Ok::<(), sinew_samplers::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Empty`], [`Error::Uneven`].
+    pub fn from_slice(dim: usize, states: &[f64]) -> Result<Self, Error> {
+        let count = states.len() / dim.max(1);
+        if count * dim != states.len() {
+            return Err(Error::Uneven { numbers: states.len(), dim });
+        }
+        let state = |slot: usize| &states[slot.min(count - 1) * dim..][..dim];
+        let fill = |block: usize, to: &mut [Block]| {
+            (0..LANES).for_each(|lane| set_lane(to, lane, state(block * LANES + lane)));
+        };
+        Self::from_blocks(dim, count, fill)
+    }
+
+    /// `count` states, block by block: `fill` gets the number of a block and writes its states.
     ///
     /// # Errors
     /// [`Error::Empty`].
-    pub fn draw(dim: usize, count: usize, fill: impl Fn(usize, &mut [Block]) + Sync) -> Result<Self, Error> {
+    pub fn from_blocks(dim: usize, count: usize, fill: impl Fn(usize, &mut [Block]) + Sync) -> Result<Self, Error> {
         if count == 0 || dim == 0 {
             return Err(Error::Empty { count, dim });
         }
@@ -112,7 +135,7 @@ mod tests {
                 *x = Block(core::array::from_fn(|lane| (10 * (LANES * block + lane) + j) as f64));
             }
         };
-        let population = Population::draw(2, 11, fill).expect("not empty");
+        let population = Population::from_blocks(2, 11, fill).expect("not empty");
         assert_eq!(population.state(9), [90.0, 91.0]);
         let gathered = population.gather(&[9, 0, 3]);
         assert_eq!((gathered.count(), gathered.state(0), gathered.state(2)), (3, vec![90.0, 91.0], vec![30.0, 31.0]));
@@ -120,6 +143,6 @@ mod tests {
         let density = Quadratic { centre: vec![0.0, 1.0], precision: vec![2.0, 1.0] };
         let values = population.log_densities(&density);
         assert_eq!((values.len(), values[3]), (11, -(30.0 * 30.0) - 0.5 * 30.0 * 30.0));
-        assert!(Population::draw(0, 1, fill).is_err() && Population::draw(1, 0, fill).is_err());
+        assert!(Population::from_blocks(0, 1, fill).is_err() && Population::from_blocks(1, 0, fill).is_err());
     }
 }

@@ -21,6 +21,7 @@
 //! assert_eq!(ancestors, [0, 0, 1, 2]);
 //! ```
 
+use crate::weights::sum;
 use rand::Rng;
 use sinew_core::elementary::ln;
 use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
@@ -45,90 +46,195 @@ pub enum Scheme {
 impl Scheme {
     /// Draws `n` ancestors by this scheme.
     pub fn ancestors(self, weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
+        let mut ancestors = vec![];
+        self.fill(weights, n, rng, &mut ancestors, &mut Room::default());
+        ancestors
+    }
+
+    /// [`Scheme::ancestors`] into a vector and with scratch that are used again: nothing is allocated when they are large enough.
+    pub fn fill(self, weights: &[f64], n: usize, rng: &mut impl Rng, ancestors: &mut Ancestors, room: &mut Room) {
         match self {
-            Self::Multinomial => multinomial(weights, n, rng),
-            Self::Residual => residual(weights, n, rng),
-            Self::Stratified => stratified(weights, n, rng),
-            Self::Systematic => systematic(weights, n, rng),
+            Self::Multinomial => fill_multinomial(weights, n, rng, ancestors, room),
+            Self::Residual => *ancestors = residual(weights, n, rng),
+            Self::Stratified => fill_stratified(weights, n, rng, ancestors, room),
+            Self::Systematic => fill_systematic(weights, n, rng, ancestors),
         }
     }
 }
 
-/// Uniforms in (0, 1), never an end.
-fn uniforms(n: usize, rng: &mut impl Rng) -> Vec<f64> {
+/// Scratch of [`Scheme::fill`]; what it holds between two calls means nothing.
+#[derive(Clone, Debug, Default)]
+pub struct Room {
+    uniforms: Vec<f64>,
+    ends: Vec<u64>,
+    positions: Vec<u64>,
+}
+
+/// Appends `n` uniforms in (0, 1), never an end.
+fn uniforms(n: usize, rng: &mut impl Rng, out: &mut Vec<f64>) {
     let mut bytes = [[0; 8]; 32];
-    let mut out = Vec::with_capacity(n + bytes.len());
+    out.clear();
+    out.reserve(n + bytes.len());
     while out.len() < n {
         rng.fill_bytes(bytes.as_flattened_mut());
         out.extend(bytes.map(|b| ((u64::from_le_bytes(b) >> 12) as f64 + 0.5) / (1_u64 << 52) as f64));
     }
     out.truncate(n);
-    out
 }
 
-/// Ends of the parts of (0, n) that the states cover: state i has n W_i. What rounding takes from the running sum is summed apart (D. E. Knuth's exact sum of two), so that its error does not grow with it.
-fn ends(weights: &[f64], n: usize) -> Vec<f64> {
-    let (total, n) = (weights.iter().sum::<f64>(), n as f64);
-    let (mut sum, mut lost) = (0.0, 0.0);
-    let end = |weight: &f64| {
-        let part = weight / total * n;
-        let next = sum + part;
-        let added = next - sum;
-        lost += (sum - (next - added)) + (part - added);
-        sum = next;
-        sum + lost
-    };
-    weights.iter().map(end).collect()
+/// Parts of a whole as whole numbers, in the ratio of some numbers: of n slots each is 2ᵇ of them, n · 2ᵇ at most 2⁶². Their running sums are exact.
+#[derive(Clone, Copy)]
+struct Shares {
+    bits: u32,
+    factors: [f64; 2],
 }
 
-/// Ancestors of ascending positions in (0, n). One step passes a position or a state, chosen without a branch: the counts are random, so a branch would be mispredicted for every second state.
-fn walk(weights: &[f64], positions: &[f64]) -> Ancestors {
-    let ends = ends(weights, positions.len());
-    let mut ancestors = vec![0; positions.len()];
-    let (mut state, mut k) = (0, 0);
-    while k < positions.len() && state < ends.len() {
-        ancestors[k] = state;
-        let inside = positions[k] <= ends[state];
-        let step = usize::from(inside);
-        k += step;
-        state += 1 - step;
+impl Shares {
+    fn new(of: &[f64], n: usize) -> Self {
+        let bits = 62 - (usize::BITS - n.leading_zeros());
+        let (total, whole) = (sum(of), n as f64 * (1_u64 << bits) as f64);
+        // Of numbers so small that the factor has no finite value they are taken larger first.
+        let larger = if (whole / total).is_finite() { 1.0 } else { 2.0_f64.powi(600) };
+        Self { bits, factors: [larger, whole / (total * larger)] }
     }
-    // Positions that rounding left beyond the last end.
-    let last = weights.iter().rposition(|&w| w > 0.0).unwrap_or(0);
-    ancestors[k..].fill(last);
-    ancestors
+
+    fn of(self, part: f64) -> u64 {
+        ((part * self.factors[0] * self.factors[1] + 0.5) as i64).cast_unsigned()
+    }
+
+    /// A place in a slot, 1 to 2ᵇ: never its start, which belongs to the slot before.
+    fn place(self, uniform: f64) -> u64 {
+        ((uniform * (1_u64 << self.bits) as f64) as i64).cast_unsigned() + 1
+    }
+}
+
+/// The weights up to the last that is not zero, which gets what rounding has left over.
+fn not_zero(weights: &[f64]) -> &[f64] {
+    &weights[..weights.iter().rposition(|&w| w > 0.0).map_or(0, |last| last + 1)]
+}
+
+/// Ancestors of `n` slots where `passed` says how many positions a running sum has passed. Each state writes its index where its slots begin, so that the next overwrites it if it has none; then each slot takes the largest index so far. No step depends on how many slots a state has: a branch would be mispredicted for every second one.
+fn fill_slots(
+    weights: &[f64],
+    n: usize,
+    shares: Shares,
+    start: u64,
+    passed: impl Fn(u64) -> usize,
+    ancestors: &mut Ancestors,
+) {
+    ancestors.clear();
+    ancestors.resize(n + 1, 0);
+    let (mut sum, mut first) = (start, 0);
+    for (state, &weight) in not_zero(weights).iter().enumerate() {
+        ancestors[first] = state;
+        sum = sum.wrapping_add(shares.of(weight));
+        first = passed(sum).min(n);
+    }
+    ancestors.truncate(n);
+    let mut largest = 0;
+    for ancestor in ancestors {
+        largest = largest.max(*ancestor);
+        *ancestor = largest;
+    }
+}
+
+fn fill_systematic(weights: &[f64], n: usize, rng: &mut impl Rng, ancestors: &mut Ancestors) {
+    let mut offset = vec![];
+    uniforms(1, rng, &mut offset);
+    let shares = Shares::new(weights, n);
+    // Slot k has the position k 2ᵇ + u, which the sum S has passed where k ≤ (S − u) / 2ᵇ.
+    let start = (1 << shares.bits) - shares.place(offset[0]);
+    fill_slots(weights, n, shares, start, |sum| (sum >> shares.bits) as usize, ancestors);
+}
+
+fn fill_stratified(weights: &[f64], n: usize, rng: &mut impl Rng, ancestors: &mut Ancestors, room: &mut Room) {
+    uniforms(n + 1, rng, &mut room.uniforms);
+    let shares = Shares::new(weights, n);
+    let passed = |sum: u64| {
+        let slot = (sum >> shares.bits) as usize;
+        let inside = sum & ((1 << shares.bits) - 1);
+        slot + usize::from(shares.place(room.uniforms[slot.min(n)]) <= inside)
+    };
+    fill_slots(weights, n, shares, 0, passed, ancestors);
+}
+
+/// Walks that are made at the same time: each step waits for the one before it, and not for those of other walks.
+const WALKS: usize = 4;
+
+/// The point of a merge of ascending positions into ascending ends after `steps` steps: how many positions and how many ends are passed.
+fn merged(ends: &[u64], positions: &[u64], steps: usize) -> [usize; 2] {
+    let (mut low, mut high) = (steps.saturating_sub(ends.len()), steps.min(positions.len()));
+    while low < high {
+        let middle = usize::midpoint(low, high);
+        if positions[middle] <= ends[steps - middle - 1] { low = middle + 1 } else { high = middle }
+    }
+    [low, steps - low]
+}
+
+/// Ancestors of ascending positions among ascending ends, of which the last is beyond all positions. One step passes a position or an end, chosen without a branch.
+fn walk(ends: &[u64], positions: &[u64], ancestors: &mut Ancestors) {
+    let (n, steps) = (positions.len(), ends.len() + positions.len());
+    ancestors.clear();
+    ancestors.resize(n + 1, 0);
+    let mut walks: [_; WALKS] = core::array::from_fn(|i| merged(ends, positions, steps * i / WALKS));
+    let step = |[position, end]: &mut [usize; 2], ancestors: &mut [usize]| {
+        let inside = positions.get(*position).is_some_and(|p| ends.get(*end).is_some_and(|e| p <= e));
+        // What is no position yet is written behind the last.
+        ancestors[if inside { *position } else { n }] = *end;
+        *position += usize::from(inside);
+        *end += usize::from(!inside);
+    };
+    let common = steps / WALKS;
+    for _ in 0..common {
+        walks.iter_mut().for_each(|walk| step(walk, ancestors));
+    }
+    for (i, walk) in walks.iter_mut().enumerate() {
+        (common..steps * (i + 1) / WALKS - steps * i / WALKS).for_each(|_| step(walk, ancestors));
+    }
+    ancestors.truncate(n);
 }
 
 /// Turns uniforms into exponential deviates.
-struct Exponentials<'a>(&'a mut [Block]);
+struct Exponentials<'a>(&'a mut [[f64; LANES]]);
 
 impl Kernel<Block> for Exponentials<'_> {
     #[inline(always)]
     fn run<V: Real<Mem = Block>>(&mut self) {
-        for block in &mut *self.0 {
-            (-ln(V::load(block))).store(block);
+        for eight in &mut *self.0 {
+            let mut block = Block(*eight);
+            (-ln(V::load(&block))).store(&mut block);
+            *eight = block.0;
         }
     }
 }
 
-/// Exponential deviates; their bits do not depend on the instruction set.
-fn exponentials(n: usize, rng: &mut impl Rng) -> Vec<f64> {
-    let uniforms = uniforms(n.next_multiple_of(LANES), rng);
-    let mut blocks: Vec<Block> = uniforms.as_chunks::<LANES>().0.iter().map(|u| Block(*u)).collect();
-    dispatch(Isa::baseline(), Exponentials(&mut blocks));
-    blocks.iter().flat_map(|block| block.0).take(n).collect()
+/// Ascending running sums of shares, from 1.
+fn running(of: &[f64], shares: Shares, out: &mut Vec<u64>) {
+    out.clear();
+    let mut sum = 0_u64;
+    out.extend(of.iter().map(|part| {
+        sum = sum.wrapping_add(shares.of(*part));
+        sum.max(1)
+    }));
+}
+
+fn fill_multinomial(weights: &[f64], n: usize, rng: &mut impl Rng, ancestors: &mut Ancestors, room: &mut Room) {
+    let Room { uniforms: spacings, ends, positions } = room;
+    uniforms((n + 1).next_multiple_of(LANES), rng, spacings);
+    // Their bits do not depend on the instruction set.
+    dispatch(Isa::baseline(), Exponentials(spacings.as_chunks_mut().0));
+    spacings.truncate(n + 1);
+    running(&spacings[..n], Shares::new(spacings, n), positions);
+    running(not_zero(weights), Shares::new(weights, n), ends);
+    if let Some(last) = ends.last_mut() {
+        *last = u64::MAX;
+    }
+    walk(ends, positions, ancestors);
 }
 
 /// Independent draws with probabilities proportional to the weights.
 pub fn multinomial(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
-    let spacings = exponentials(n + 1, rng);
-    let scale = n as f64 / spacings.iter().sum::<f64>();
-    let mut sum = 0.0;
-    let position = |spacing: &f64| {
-        sum += spacing;
-        sum * scale
-    };
-    walk(weights, &spacings[..n].iter().map(position).collect::<Vec<_>>())
+    Scheme::Multinomial.ancestors(weights, n, rng)
 }
 
 /// Puts ancestors in random order, each order as probable as any other (Fisher & Yates; R. Durstenfeld 1964), for pairing them with others.
@@ -145,14 +251,12 @@ pub(crate) fn below(n: usize, rng: &mut impl Rng) -> usize {
 
 /// One draw from each of `n` equal strata.
 pub fn stratified(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
-    let offsets = uniforms(n, rng);
-    walk(weights, &offsets.iter().enumerate().map(|(k, u)| k as f64 + u).collect::<Vec<_>>())
+    Scheme::Stratified.ancestors(weights, n, rng)
 }
 
 /// A comb of `n` equal teeth with one random offset.
 pub fn systematic(weights: &[f64], n: usize, rng: &mut impl Rng) -> Ancestors {
-    let offset = uniforms(1, rng)[0];
-    walk(weights, &(0..n).map(|k| k as f64 + offset).collect::<Vec<_>>())
+    Scheme::Systematic.ancestors(weights, n, rng)
 }
 
 /// The whole part of each expected count, the rest at random.
@@ -253,8 +357,42 @@ mod tests {
     fn running_sums_lose_nothing() {
         let mut weights = vec![2.0_f64.powi(-54); 1 << 20];
         weights[0] = 1.0;
-        let last = *ends(&weights, 1).last().expect("not empty");
-        assert_eq!(last, 1.0 + (2.0_f64.powi(20) - 1.0) * 2.0_f64.powi(-54));
+        let (shares, mut ends) = (Shares::new(&weights, 1), vec![]);
+        running(&weights, shares, &mut ends);
+        let rest = (ends[weights.len() - 1] - ends[0]) as f64 / ends[0] as f64;
+        assert!((rest / ((2.0_f64.powi(20) - 1.0) * 2.0_f64.powi(-54)) - 1.0).abs() < 1e-9, "{rest}");
+    }
+
+    /// Several walks at once are one walk, of any numbers of positions and ends.
+    #[test]
+    fn walks_meet() {
+        let mut rng = Stage::new(8, "walks").whole();
+        for [states, n] in [[1, 1], [1, 9], [9, 1], [5, 3], [40, 40], [7, 1000], [1000, 7], [0, 3], [3, 0]] {
+            let mut sorted = |count: usize| {
+                let mut numbers: Vec<u64> = (0..count).map(|_| below(50, &mut rng) as u64 + 1).collect();
+                numbers.sort_unstable();
+                numbers
+            };
+            let (mut ends, positions, mut ancestors) = (sorted(states), sorted(n), vec![]);
+            ends.iter_mut().last().into_iter().for_each(|last| *last = u64::MAX);
+            walk(&ends, &positions, &mut ancestors);
+            let expected = positions.iter().map(|p| ends.iter().position(|e| p <= e).unwrap_or(0));
+            assert!(ancestors.iter().copied().eq(expected), "{states} states, {n} positions");
+        }
+    }
+
+    /// Of weights as small as numbers get, and as large, each state has its share.
+    #[test]
+    fn weights_need_not_be_normalised() {
+        let rng = &mut Stage::new(9, "scale").whole();
+        for scheme in SCHEMES {
+            for unit in [5e-324, 1e-300, 1.0, 1e300] {
+                let ancestors = scheme.ancestors(&[unit, 0.0, 3.0 * unit], 4000, rng);
+                let first = ancestors.iter().filter(|a| **a == 0).count();
+                // Binomial at most: standard deviation 27.
+                assert!(first.abs_diff(1000) < 5 * 28 && !ancestors.contains(&1), "{scheme:?} {unit}: {first}");
+            }
+        }
     }
 
     /// Of weights that differ little the lowest would be drawn now and then: 20 slots in 100 rounds.

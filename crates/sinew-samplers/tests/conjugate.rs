@@ -171,7 +171,7 @@ fn populations_are_the_same_for_every_number_of_threads() {
             let smc = temper(&Observed, &Before, &dense, &config, isa, stage()).expect("runs");
             let target = Sum(&Observed, &Before);
             let weighted = importance(&target, &mode(), Tails::default(), 43, isa, &stage()).expect("runs");
-            let start = Population::draw(3, 43, |_, x| x.fill(Block::ZERO)).expect("not empty");
+            let start = Population::from_blocks(3, 43, |_, x| x.fill(Block::ZERO)).expect("not empty");
             let found = search(&Observed, &start, &SD, &annealed_search::Config::default(), isa, stage());
             (smc, weighted, found.expect("finds"))
         })
@@ -221,7 +221,7 @@ fn a_proposal_that_misses_shows_in_the_effective_number() {
 #[test]
 fn one_layer_of_the_search_is_a_step_of_a_particle_filter() {
     let centre = |_: usize, x: &mut [Block]| x.iter_mut().zip(MEAN).for_each(|(x, m)| *x = Block::splat(m));
-    let start = Population::draw(3, 20_000, centre).expect("not empty");
+    let start = Population::from_blocks(3, 20_000, centre).expect("not empty");
     let config = annealed_search::Config { layers: 1, last: Last::Fixed(1.0), ..Default::default() };
     let runs: Vec<_> = (0..40)
         .map(|r| search(&Observed, &start, &SD, &config, Isa::best(), Stage::new(r, "one layer")).expect("finds"))
@@ -234,7 +234,7 @@ fn one_layer_of_the_search_is_a_step_of_a_particle_filter() {
 
 #[test]
 fn the_search_closes_in_on_the_peak_layer_by_layer() {
-    let start = Population::draw(3, 200, |_, x| x.fill(Block::ZERO)).expect("not empty");
+    let start = Population::from_blocks(3, 200, |_, x| x.fill(Block::ZERO)).expect("not empty");
     let target = Sum(&Observed, &Before);
     let peak = target.log_density(&exact_mean());
     for scaling in [Scaling::Variance, Scaling::StandardDeviation] {
@@ -256,7 +256,7 @@ fn bad_settings_are_refused() {
     assert!(smc(tempered_smc::Config { updates: 0, ..good }).is_err());
     assert!(smc(tempered_smc::Config { survival: 1.0, ..good }).is_err());
     assert!(smc(tempered_smc::Config { step_size: f64::NAN, ..good }).is_err());
-    let start = Population::draw(3, LANES, |_, x| x.fill(Block::ZERO)).expect("not empty");
+    let start = Population::from_blocks(3, LANES, |_, x| x.fill(Block::ZERO)).expect("not empty");
     let found = |sd: &[f64], config| search(&Observed, &start, sd, &config, Isa::best(), Stage::new(1, "bad"));
     let good = annealed_search::Config::default();
     assert!(found(&SD, annealed_search::Config { layers: 0, ..good }).is_err());
@@ -386,7 +386,7 @@ impl LogDensity for Flat {
 
 #[test]
 fn the_diffusion_shrinks_by_variance_or_by_deviation() {
-    let start = Population::draw(1, 20_000, |_, x| x.fill(Block::ZERO)).expect("not empty");
+    let start = Population::from_blocks(1, 20_000, |_, x| x.fill(Block::ZERO)).expect("not empty");
     for (scaling, expected) in
         [(Scaling::Variance, 1.0 + 0.5 + 0.25), (Scaling::StandardDeviation, 1.0 + 0.25 + 0.0625)]
     {
@@ -396,7 +396,7 @@ fn the_diffusion_shrinks_by_variance_or_by_deviation() {
         // The mean of 20 000 squares scatters by a hundredth of it.
         assert!((variance / expected - 1.0).abs() < 0.05, "{scaling:?}: {variance} for {expected}");
     }
-    let start = Population::draw(3, 200, |_, x| x.fill(Block::ZERO)).expect("not empty");
+    let start = Population::from_blocks(3, 200, |_, x| x.fill(Block::ZERO)).expect("not empty");
     let config = annealed_search::Config { layers: 3, last: Last::Fixed(0.7), ..Default::default() };
     let found = search(&Observed, &start, &SD, &config, Isa::best(), Stage::new(1, "fixed")).expect("finds");
     assert!(found.exponents[2] == 0.7 && found.exponents[..2].iter().all(|beta| *beta < 0.5), "{:?}", found.exponents);

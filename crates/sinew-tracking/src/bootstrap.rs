@@ -13,11 +13,11 @@
 use crate::error::check_dimension;
 use crate::particle_state::{ParticleState, are_few};
 use crate::posterior::Posterior;
-use crate::{Error, Resume, StepInfo, Tracker};
+use crate::{Belief, Error, Resume, StepInfo, Tracker};
 use sinew_core::density::LogDensity;
 use sinew_core::random::Stage;
 use sinew_core::transition::{MotionModel, Transition};
-use sinew_samplers::particles::{Particles, predict_and_reweight, resample, retreat, reweight, start};
+use sinew_samplers::particles::{Particles, predict_and_reweight, resample_in_room, retreat, reweight, start};
 use sinew_samplers::resample::Scheme;
 
 /// Settings; the default resamples multinomially in every frame, as in all the papers.
@@ -73,7 +73,7 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Bootstrap<T> {
         let mut resampled = false;
         let weighed = if *started {
             resampled = are_few(particles, self.config.resample_below);
-            let ancestors = resampled.then(|| resample(particles, self.config.scheme, to_resample));
+            let ancestors = resampled.then(|| resample_in_room(particles, self.config.scheme, to_resample));
             predict_and_reweight(particles, ancestors, motion, observed, to_predict)
         } else {
             start(particles, motion, estimate, to_predict);
@@ -90,7 +90,9 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Bootstrap<T> {
         };
         Ok(self.state.weighed(log_evidence, resampled))
     }
+}
 
+impl<T: MotionModel> Belief for Bootstrap<T> {
     fn posterior(&self) -> Posterior<'_> {
         self.state.posterior()
     }

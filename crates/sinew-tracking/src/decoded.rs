@@ -12,7 +12,7 @@
 use crate::error::check_dimension;
 use crate::posterior::Posterior;
 use crate::resume::check_length;
-use crate::{Error, Resume, StepInfo, Tracker};
+use crate::{Belief, Error, Resume, StepInfo, Tracker};
 use sinew_core::combinators::Through;
 use sinew_core::decode::Decode;
 use sinew_core::density::LogDensity;
@@ -77,14 +77,16 @@ where
     fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error> {
         check_dimension("observation", observed.dim(), self.decoder.target_dim())?;
         let info = self.tracker.step(&Through { target: observed, decoder: &self.decoder }, stage)?;
-        let sampled = Tracker::<Through<&O, &C>>::posterior(&self.tracker);
+        let sampled = self.tracker.posterior();
         self.states = decoded(sampled.states, &self.decoder);
         self.estimate = moments::mean(&self.states, self.decoder.target_dim(), sampled.weights);
         Ok(StepInfo { mean: self.estimate.clone(), ..info })
     }
+}
 
+impl<C: Decode, K: Belief> Belief for Decoded<C, K> {
     fn posterior(&self) -> Posterior<'_> {
-        Tracker::<Through<&O, &C>>::posterior(&self.tracker).as_poses(&self.states, self.decoder.target_dim())
+        self.tracker.posterior().as_poses(&self.states, self.decoder.target_dim())
     }
 
     fn estimate(&self) -> &[f64] {

@@ -15,7 +15,7 @@ use crate::annealed::{self, Annealed};
 use crate::decoded::Decoded;
 use crate::error::check_dimension;
 use crate::posterior::Posterior;
-use crate::{Error, Resume, StepInfo, Tracker};
+use crate::{Belief, Error, Resume, StepInfo, Tracker};
 use sinew_core::beside::Beside;
 use sinew_core::decode::Decode;
 use sinew_core::density::LogDensity;
@@ -124,7 +124,7 @@ impl<C: Decode, T: Transition> Gpapf<C, T> {
         T: Send,
     {
         let [to_resample, to_diffuse] = stage.split(["resample", "diffuse"]);
-        let Posterior { dim, states, weights, .. } = Tracker::<O>::posterior(&self.inner);
+        let Posterior { dim, states, weights, .. } = self.inner.posterior();
         let mut poses = Particles::of(dim, weights.len(), states.to_vec());
         let ancestors = resample(self.particles(), annealing.layers.scheme, to_resample);
         diffuse(&mut poses, Some(ancestors), noise, self.isa, to_diffuse);
@@ -165,14 +165,16 @@ impl<O: LogDensity + ?Sized, C: Decode + Send, T: Transition + Send> Tracker<O> 
         }
         Ok(StepInfo { off_manifold: self.off_manifold(), log_evidence: None, ..info })
     }
+}
 
+impl<C: Decode, T: MotionModel> Belief for Gpapf<C, T> {
     /// The last layer with its weights: of a search, and no posterior.
     fn posterior(&self) -> Posterior<'_> {
-        Tracker::<O>::posterior(&self.inner)
+        self.inner.posterior()
     }
 
     fn estimate(&self) -> &[f64] {
-        Tracker::<O>::estimate(&self.inner)
+        self.inner.estimate()
     }
 }
 

@@ -13,7 +13,7 @@
 use crate::error::check_dimension;
 use crate::particle_state::{ParticleState, are_few};
 use crate::posterior::Posterior;
-use crate::{Error, Resume, StepInfo, Tracker};
+use crate::{Belief, Error, Resume, StepInfo, Tracker};
 use sinew_core::density::{GaussNewton, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
@@ -21,7 +21,7 @@ use sinew_core::transition::{Cloud, FramePrior, Moments, MotionModel, Predict, T
 use sinew_samplers::guided::Guide;
 use sinew_samplers::importance::Tails;
 use sinew_samplers::laplace::laplace;
-use sinew_samplers::particles::{propose_and_reweight, resample, retreat};
+use sinew_samplers::particles::{propose_and_reweight, resample_in_room, retreat};
 use sinew_samplers::resample::{Ancestors, Scheme};
 
 /// Settings.
@@ -138,13 +138,15 @@ impl<T: Transition + Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for Gui
         let Config { scheme, resample_below, tails, search_draws, .. } = self.config;
         let laplace = laplace(observed, &prior, search_draws, self.isa, to_search)?;
         let guide = Guide::new(laplace, &prior.precision(), self.state.estimate.clone(), tails, self.isa)?;
-        let particles = &self.state.particles;
+        let particles = &mut self.state.particles;
         let resampled = self.state.started && are_few(particles, resample_below);
-        let ancestors = resampled.then(|| resample(particles, scheme, to_resample));
+        let ancestors = resampled.then(|| resample_in_room(particles, scheme, to_resample));
         let log_evidence = advance(&mut self.state, ancestors, &guide, (observed, &prior), &to_move)?;
         Ok(self.state.weighed(log_evidence, resampled))
     }
+}
 
+impl<T: MotionModel> Belief for Guided<T> {
     fn posterior(&self) -> Posterior<'_> {
         self.state.posterior()
     }

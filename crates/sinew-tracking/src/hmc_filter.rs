@@ -18,7 +18,7 @@
 use crate::handed::Handed;
 use crate::posterior::Posterior;
 use crate::resume::check_length;
-use crate::{Error, Resume, StepInfo, Tracker};
+use crate::{Belief, Error, Resume, StepInfo, Tracker};
 use sinew_core::combinators::Sum;
 use sinew_core::density::GaussNewton;
 use sinew_core::lanes::{Block, Isa};
@@ -269,7 +269,9 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
             ..StepInfo::default()
         })
     }
+}
 
+impl<T: Predict> Belief for HmcFilter<T> {
     fn posterior(&self) -> Posterior<'_> {
         self.view()
     }

@@ -65,10 +65,19 @@ pub mod restrained;
 mod resume;
 mod run;
 pub mod series;
+pub mod state_space;
 mod tracker;
 pub mod with_prior;
 
 pub use error::Error;
 pub use resume::Resume;
 pub use run::{Harness, run};
-pub use tracker::{StepInfo, Tracker};
+pub use tracker::{Belief, StepInfo, Tracker};
+
+pub use sinew_core::random::{BlockRng, Stage};
+pub use sinew_samplers::resample::Scheme;
+
+/// The programs of the page are compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

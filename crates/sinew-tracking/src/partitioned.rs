@@ -22,7 +22,7 @@
 use crate::error::check_dimension;
 use crate::particle_state::ParticleState;
 use crate::posterior::Posterior;
-use crate::{Error, Resume, StepInfo, Tracker};
+use crate::{Belief, Error, Resume, StepInfo, Tracker};
 use sinew_core::density::PartLogDensity;
 use sinew_core::part::{Part, PartTree};
 use sinew_core::random::Stage;
@@ -155,7 +155,9 @@ impl<T: PartTransition + Send, O: PartLogDensity + ?Sized> Tracker<O> for Partit
             ..StepInfo::default()
         })
     }
+}
 
+impl<T: MotionModel> Belief for Partitioned<T> {
     fn posterior(&self) -> Posterior<'_> {
         self.state.posterior()
     }

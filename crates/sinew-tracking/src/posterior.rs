@@ -58,6 +58,12 @@ impl<'a> Posterior<'a> {
         moments::moments(isa, self.states, self.dim, self.weights, self.effective)
     }
 
+    /// Standard deviations of the coordinates about their mean, of as many independent draws as these are worth.
+    #[must_use]
+    pub fn sd(&self, mean: &[f64]) -> Vec<f64> {
+        moments::standard_deviations(self.states, mean, self.weights, self.effective)
+    }
+
     /// The draw of the largest weight.
     #[must_use]
     pub fn heaviest(&self) -> Vec<f64> {

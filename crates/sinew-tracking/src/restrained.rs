@@ -11,7 +11,7 @@
 
 use crate::hmc_filter::HmcFilter;
 use crate::posterior::Posterior;
-use crate::{Error, Resume, StepInfo, Tracker};
+use crate::{Belief, Error, Resume, StepInfo, Tracker};
 use sinew_core::combinators::Sum;
 use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
 use sinew_core::lanes::{Block, LANES};
@@ -98,13 +98,15 @@ impl<T: Predict + Send, P: GaussNewton + Send, O: GaussNewton> Tracker<O> for Re
         let info = self.filter.step(&Restrained(Sum(observed, &self.prior)), to_step)?;
         Ok(StepInfo { log_evidence: info.log_evidence.map(|both| both - left), ..info })
     }
+}
 
+impl<T: Predict, P> Belief for RestrainedFilter<T, P> {
     fn posterior(&self) -> Posterior<'_> {
-        Tracker::<O>::posterior(&self.filter)
+        self.filter.posterior()
     }
 
     fn estimate(&self) -> &[f64] {
-        Tracker::<O>::estimate(&self.filter)
+        self.filter.estimate()
     }
 }
 

@@ -1,22 +1,25 @@
-//! What every tracker is: a step from one frame's observation to the posterior of the state.
+//! What every tracker is: a step from one frame's observation to the posterior of the state, and what it believes then.
 
 use crate::Error;
 use crate::posterior::Posterior;
 use sinew_core::random::Stage;
 
-/// A filter on observations of type `O`, for instance `dyn GaussNewton`. The parameter names what the tracker demands, so a box of trackers offers exactly what all of its members need.
-pub trait Tracker<O: ?Sized>: Send {
-    /// Moves on to a frame and takes in its observation. A frame without observation is a log density of 0 everywhere: the tracker continues on its prior.
-    ///
-    /// # Errors
-    /// Where the frame has no posterior; the tracker then stands where it stood before.
-    fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error>;
-
+/// What is believed of the state: the posterior of the last frame.
+pub trait Belief {
     /// Draws of the last frame's posterior; before the first step they mean nothing.
     fn posterior(&self) -> Posterior<'_>;
 
     /// Best known state: [`StepInfo::mean`] of the last frame, before the first step the start.
     fn estimate(&self) -> &[f64];
+}
+
+/// A filter on observations of type `O`, for instance `dyn GaussNewton`. The parameter names what the tracker demands, so a box of trackers offers exactly what all of its members need.
+pub trait Tracker<O: ?Sized>: Belief + Send {
+    /// Moves on to a frame and takes in its observation. A frame without observation is a log density of 0 everywhere: the tracker continues on its prior.
+    ///
+    /// # Errors
+    /// Where the frame has no posterior; the tracker then stands where it stood before.
+    fn step(&mut self, observed: &O, stage: Stage) -> Result<StepInfo, Error>;
 }
 
 /// What a diagnostician wants to know of one step of any tracker.

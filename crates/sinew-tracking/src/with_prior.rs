@@ -5,7 +5,7 @@
 //! The tracker steps on p(z_t | x) π(x), so that what it keeps is p(x | x_{t−1}) p(z_t | x) π(x) up to a constant. The factor need not be normalised; so a step has no evidence.
 
 use crate::posterior::Posterior;
-use crate::{Error, Resume, StepInfo, Tracker};
+use crate::{Belief, Error, Resume, StepInfo, Tracker};
 use sinew_core::combinators::Sum;
 use sinew_core::density::LogDensity;
 use sinew_core::random::Stage;
@@ -29,13 +29,15 @@ where
         let info = self.tracker.step(&Sum(observed, &self.prior), stage)?;
         Ok(StepInfo { log_evidence: None, ..info })
     }
+}
 
+impl<P, K: Belief> Belief for WithPrior<P, K> {
     fn posterior(&self) -> Posterior<'_> {
-        Tracker::<Sum<&O, &P>>::posterior(&self.tracker)
+        self.tracker.posterior()
     }
 
     fn estimate(&self) -> &[f64] {
-        Tracker::<Sum<&O, &P>>::estimate(&self.tracker)
+        self.tracker.estimate()
     }
 }
 

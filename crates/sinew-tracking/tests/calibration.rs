@@ -5,8 +5,8 @@ use sinew_core::lanes::{Block, Isa};
 use sinew_core::random::{BlockRng, Stage};
 use sinew_core::toy::Quadratic;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
-use sinew_tracking::Tracker;
 use sinew_tracking::hmc_filter::{Config, HmcFilter};
+use sinew_tracking::{Belief, Tracker};
 
 const STEP: f64 = 0.1;
 
@@ -42,7 +42,7 @@ fn followed(precision: &[f64], series: usize) -> [f64; 2] {
         let observed = Lanes { leaf: Quadratic { centre: seen, precision: precision.to_vec() }, isa };
         filter.step(&observed, to_filter.round(frame)).expect("posterior");
         if frame >= 20 {
-            let found = Tracker::<Lanes<Quadratic>>::posterior(&filter).moments(isa);
+            let found = filter.posterior().moments(isa);
             for j in 0..dim {
                 sums[0] += found.covariance[j * (dim + 1)] / variance[j] / (25 * dim) as f64;
                 sums[1] += (found.mean[j] - mean[j]).powi(2) / variance[j] / (25 * dim) as f64;

@@ -14,7 +14,7 @@ use sinew_samplers::grid::GridAxis;
 use sinew_tracking::coarse_to_fine::{self, CoarseToFine};
 use sinew_tracking::decoded::Decoded;
 use sinew_tracking::partitioned::{self, Partitioned};
-use sinew_tracking::{Error, Resume, StepInfo, Tracker};
+use sinew_tracking::{Belief, Error, Resume, StepInfo, Tracker};
 
 const START: [f64; 2] = [0.1, 0.9];
 
@@ -35,7 +35,7 @@ where
         let mut behind = Decoded::new(Identity(2), &START, |_| Ok::<K, Error>(make())).expect("valid");
         for frame in 0..12 {
             assert_eq!(stepped(&mut behind, frame, product), stepped(&mut plain, frame, product), "frame {frame}");
-            assert_eq!(behind.save(), [Tracker::<Sight>::estimate(&plain), &plain.save()].concat());
+            assert_eq!(behind.save(), [plain.estimate(), &plain.save()].concat());
         }
     }
 }

@@ -24,7 +24,7 @@ use sinew_tracking::hmc_filter::{self, HmcFilter};
 use sinew_tracking::hppf::{self, Hppf};
 use sinew_tracking::partitioned::{self, Partitioned};
 use sinew_tracking::posterior::Posterior;
-use sinew_tracking::{Error, Harness, Resume, StepInfo, Tracker, run};
+use sinew_tracking::{Belief, Error, Harness, Resume, StepInfo, Tracker, run};
 
 /// An observation that serves every tracker.
 trait Seen: GaussNewton + PartLogDensity {}
@@ -332,7 +332,7 @@ fn without_observations_the_variance_grows_by_the_walk() {
             let info = tracker.step(&Nothing, Stage::new(3, "blind").at_frame(frame)).expect("continues");
             assert_eq!(info.log_evidence.map(|l| l.abs() < 1e-9), Some(true));
         }
-        let variance = Tracker::<Nothing>::posterior(&tracker).moments(Isa::best()).covariance[0];
+        let variance = tracker.posterior().moments(Isa::best()).covariance[0];
         // 100 steps of 0.2²; the walk of the summary itself scatters, most with few chains.
         assert!((0.5..20.0).contains(&variance), "{between:?}: {variance} against 4");
     }
@@ -369,7 +369,7 @@ fn an_impossible_frame_is_an_error_and_can_be_passed_over() {
             tracker.step(&Nothing, stage(1)).expect("continues");
         }
     }
-    let spread = Tracker::<Nothing>::posterior(&tracker).moments(Isa::best()).covariance[0];
+    let spread = tracker.posterior().moments(Isa::best()).covariance[0];
     assert!((0.02..0.07).contains(&spread), "one step of variance 0.04, not two: {spread}");
     let mut walked: Box<dyn Tracker<Impossible>> = Box::new(make());
     let result = run(walked.as_mut(), 5..9, stage, &mut Blinded);
@@ -400,7 +400,7 @@ fn chains_that_disagree_continue() {
         let mut tracker = HmcFilter::new(config, walk(Between::Gaussian), vec![0.0, 1.0], Isa::best()).expect("valid");
         let seen = Lanes { leaf: Quadratic { centre: vec![0.1, 0.9], precision: vec![4.0; 2] }, isa: Isa::best() };
         let info = tracker.step(&seen, Stage::new(5, "patience")).expect("step");
-        (info.trajectories, Tracker::<Lanes<Quadratic>>::posterior(&tracker).weights.len(), info.gradient_evaluations)
+        (info.trajectories, tracker.posterior().weights.len(), info.gradient_evaluations)
     };
     assert_eq!(run(1, 0.01, 12), (16 * 12, 16 * 7, 16 * (1 + 5 * 12) + 64));
     assert_eq!(run(2, 0.01, 12), (16 * 24, 16 * 13, 16 * (2 + 5 * 24) + 64));
@@ -425,7 +425,7 @@ fn continued_chains_do_not_repeat_their_steps() {
         let mut tracker = HmcFilter::new(config, walk(Between::Gaussian), vec![0.0, 1.0], Isa::best()).expect("valid");
         let seen = Lanes { leaf: Quadratic { centre: vec![0.1, 0.9], precision: vec![4.0; 2] }, isa: Isa::best() };
         tracker.step(&seen, Stage::new(8, "patience")).expect("step");
-        let posterior = Tracker::<Lanes<Quadratic>>::posterior(&tracker);
+        let posterior = tracker.posterior();
         let state = |index: usize| {
             let mut state = [0.0; 2];
             posterior.state(index, &mut state);

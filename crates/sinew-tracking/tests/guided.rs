@@ -9,7 +9,7 @@ use sinew_dynamics::kalman::{Filtered, Form, Kalman, Model};
 use sinew_dynamics::linear_gaussian::LinearGaussian;
 use sinew_samplers::importance::Tails;
 use sinew_tracking::guided::{Config, Guided};
-use sinew_tracking::{Error, Tracker};
+use sinew_tracking::{Belief, Error, Tracker};
 
 const TURN: [f64; 4] = [0.95, 0.2, -0.2, 0.95];
 const NOISE: [f64; 4] = [0.3, 0.1, 0.1, 0.2];
@@ -58,7 +58,7 @@ fn errors(config: &Config, runs: usize) -> [f64; 4] {
         for (frame, (seen, exact)) in seen.iter().zip(&exact).enumerate() {
             let leaf = Quadratic { centre: seen.clone(), precision: PRECISION.to_vec() };
             let info = filter.step(&Lanes { leaf, isa: Isa::best() }, stage.round(frame)).expect("posterior");
-            let found = Tracker::<Lanes<Quadratic>>::posterior(&filter).moments(Isa::best());
+            let found = filter.posterior().moments(Isa::best());
             // The density of the observation has no constants.
             let constant: f64 = PRECISION.iter().map(|p| 0.5 * (p / std::f64::consts::TAU).ln()).sum();
             let evidence = info.log_evidence.expect("estimated") + constant - exact.log_likelihood;

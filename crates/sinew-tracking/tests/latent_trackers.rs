@@ -18,7 +18,7 @@ use sinew_samplers::resample::Scheme;
 use sinew_tracking::annealed::{self, Annealed};
 use sinew_tracking::gpapf::{self, Gpapf};
 use sinew_tracking::h_apf::{self, Estimate, HApf};
-use sinew_tracking::{Error, Resume, StepInfo, Tracker};
+use sinew_tracking::{Belief, Error, Resume, StepInfo, Tracker};
 use std::sync::{Arc, Mutex};
 
 type Seen = Lanes<Quadratic>;
@@ -194,7 +194,7 @@ fn one_layer_that_carries_its_latents_is_gpapf() {
             ..h_apf::Config::default()
         };
         let mut other = h_apf(1, false, config);
-        assert_eq!(Tracker::<Seen>::estimate(&other), Tracker::<Seen>::estimate(&one));
+        assert_eq!(other.estimate(), one.estimate());
         for frame in 0..10 {
             assert_eq!(step(&mut other, frame), step(&mut one, frame), "frame {frame}");
             assert_eq!(other.save(), one.save(), "frame {frame}");
@@ -216,7 +216,7 @@ fn a_stopped_tracker_continues_to_the_same_bits() {
             }
             new.restore(&saved).expect("the same settings");
             assert_eq!(new.save(), saved, "{name}");
-            assert_eq!(Tracker::<Seen>::posterior(&*new).count(), 0, "{name}: no draws before the next step");
+            assert_eq!(new.posterior().count(), 0, "{name}: no draws before the next step");
             assert_eq!(step(&mut *new, frame), left[frame as usize], "{name}, frame {frame}");
             tracker = new;
         }
@@ -260,7 +260,7 @@ fn poses_lie_on_the_leaves() {
     let mut tracker = h_apf(3, false, h_apf::Config::default());
     for frame in 0..4 {
         step(&mut tracker, frame);
-        let posterior = Tracker::<Seen>::posterior(&tracker);
+        let posterior = tracker.posterior();
         let mut draw = vec![0.0; DIM];
         for i in 0..posterior.count() {
             posterior.state(i, &mut draw);
@@ -428,7 +428,7 @@ fn injected_latents_find_back() {
         let mut tracker = gpapf(gpapf::Config { injection, annealing, ..gpapf::Config::default() });
         step(&mut tracker, 0);
         tracker.step(&observed, Stage::new(1, "leap").at_frame(1)).expect("weights");
-        let estimate = Tracker::<Seen>::estimate(&tracker);
+        let estimate = tracker.estimate();
         estimate.iter().zip(&observed.leaf.centre).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     };
     let found = after(Injection { probability: 0.2, latents: vec![0.0, 0.5, 1.9, -1.1, -0.4, 0.2] });

@@ -14,7 +14,7 @@ use sinew_dynamics::primitives::motion::PrimitiveMotion;
 use sinew_dynamics::random_walk::Between;
 use sinew_samplers::diagnostics::effective_sample_size;
 use sinew_tracking::hmc_filter::{self, HmcFilter};
-use sinew_tracking::{StepInfo, Tracker};
+use sinew_tracking::{Belief, StepInfo, Tracker};
 
 const DIM: usize = 3;
 const RATE_HZ: f64 = 20.0;
@@ -55,7 +55,7 @@ fn its_draws_have_the_gradients_of_their_gaussian_posterior() {
     let mut filter = HmcFilter::new(config, motion.clone(), swing(0).to_vec(), Isa::best()).expect("valid");
     let moments = Moments { mean: vec![0.0; DIM], covariance: vec![0.0; DIM * DIM] };
     for frame in 0..12 {
-        let posterior = Tracker::<Sight>::posterior(&filter);
+        let posterior = filter.posterior();
         let (last, count) = (posterior.states.to_vec(), posterior.weights.len());
         let stage = Stage::new(3, "filter").at_frame(frame as u32);
         let info: StepInfo = filter.step(&sight(frame), stage).expect("a posterior");
@@ -64,10 +64,10 @@ fn its_draws_have_the_gradients_of_their_gaussian_posterior() {
             let prior = motion.predict(Cloud { last: &last, count, moments: &moments }).expect("valid");
             let target = sight(frame);
             let target = Sum(&target, &prior);
-            let draws = Tracker::<Sight>::posterior(&filter).states.to_vec();
+            let draws = filter.posterior().states.to_vec();
             let (mut state, mut gradient) = ([0.0; DIM], [0.0; DIM]);
             let mut series = vec![vec![vec![]; chains]; DIM];
-            for i in 0..Tracker::<Sight>::posterior(&filter).weights.len() {
+            for i in 0..filter.posterior().weights.len() {
                 get_lane(&draws[i / LANES * DIM..][..DIM], i % LANES, &mut state);
                 target.log_density_grad(&state, &mut gradient);
                 series.iter_mut().zip(gradient).for_each(|(series, g)| series[i % chains].push(g));
@@ -81,6 +81,6 @@ fn its_draws_have_the_gradients_of_their_gaussian_posterior() {
                 assert!(z.abs() < 4.5, "frame {frame}, coordinate {j}: square, z = {z}, bound 4.5");
             }
         }
-        motion.follow(None, Tracker::<Sight>::estimate(&filter));
+        motion.follow(None, filter.estimate());
     }
 }

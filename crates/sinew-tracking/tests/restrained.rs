@@ -7,9 +7,9 @@ use sinew_core::toy::Quadratic;
 use sinew_dynamics::joint_limits::JointLimits;
 use sinew_dynamics::joint_ranges::JointRanges;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
-use sinew_tracking::Tracker;
 use sinew_tracking::hmc_filter::{Config, HmcFilter};
 use sinew_tracking::restrained::RestrainedFilter;
+use sinew_tracking::{Belief, Tracker};
 
 /// A state seen at 1.2 with the precision 4, a priori N(0, 0.8²), that should not be above 0.5 by more than some 0.2.
 const SEEN: f64 = 1.2;
@@ -46,7 +46,7 @@ fn a_frame_has_the_moments_and_the_evidence_of_the_restrained_prior() {
             let mut filter = RestrainedFilter { filter, prior };
             let leaf = Quadratic { centre: vec![SEEN], precision: vec![PRECISION] };
             let info = filter.step(&Lanes { leaf, isa: Isa::best() }, Stage::new(seed, "restrained")).unwrap();
-            let moments = Tracker::<Lanes<Quadratic>>::posterior(&filter).moments(Isa::best());
+            let moments = filter.posterior().moments(Isa::best());
             [moments.mean[0], moments.covariance[0], info.log_evidence.unwrap()]
         })
         .collect();

@@ -15,7 +15,7 @@ use sinew_tracking::annealed::{self, Annealed};
 use sinew_tracking::bootstrap::{self, Bootstrap};
 use sinew_tracking::coarse_to_fine::{self, CoarseToFine, Judging};
 use sinew_tracking::partitioned::{self, Partitioned};
-use sinew_tracking::{StepInfo, Tracker};
+use sinew_tracking::{Belief, StepInfo, Tracker};
 use std::sync::Arc;
 
 const SD: [f64; 3] = [0.3, 0.1, 0.2];
@@ -254,7 +254,7 @@ fn coarse_states_stand_on_centres_and_share_evaluations() {
             let info = tracker.step(&observed, Stage::new(4, "centres").at_frame(frame)).expect("weights");
             let particles = tracker.particles();
             let states: Vec<Vec<f64>> = (0..particles.count()).map(|i| particles.state(i)).collect();
-            assert_eq!(Tracker::<InParts>::posterior(&tracker).mean(), tracker.fine().state);
+            assert_eq!(tracker.posterior().mean(), tracker.fine().state);
             let on_centres =
                 states.iter().all(|state| state.iter().zip(axes(width)).all(|(x, axis)| axis.snap(*x) == *x));
             assert_eq!(on_centres, snapped);

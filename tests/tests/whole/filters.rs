@@ -6,7 +6,7 @@ use sinew::core::random::Stage;
 use sinew::dynamics::smoother::Smoother;
 use sinew::tracking::bootstrap::{self, Bootstrap};
 use sinew::tracking::hmc_filter::{Config, HmcFilter};
-use sinew::tracking::{StepInfo, Tracker};
+use sinew::tracking::{Belief, StepInfo, Tracker};
 use sinew_tests::linear_series::{Series, Sight, deviations};
 
 fn hmc(series: &Series, config: Config) -> HmcFilter<sinew::dynamics::linear_gaussian::LinearGaussian> {
@@ -35,7 +35,7 @@ fn one_frame_of_the_hmc_filter_has_the_exact_posterior() {
     let mut filter = hmc(&series, Config { updates: 3000, ..short_chains() });
     let info = filter.step(&series.sight(0), Stage::new(5, "E5")).expect("posterior");
     assert!(info.r_hat.is_some_and(|r| r < 1.01) && info.divergences == 0, "{info:?}");
-    let posterior = Tracker::<Sight>::posterior(&filter);
+    let posterior = filter.posterior();
     let mut states = vec![vec![0.0; 4]; posterior.count()];
     states.iter_mut().enumerate().for_each(|(i, s)| posterior.state(i, s));
     let check = |name: String, exact: f64, value: &dyn Fn(&[f64]) -> f64| {
@@ -74,7 +74,7 @@ fn the_hmc_filter_with_a_gaussian_prior_agrees_with_kalman() {
                 if !frames.contains(&frame) {
                     continue;
                 }
-                let got = Tracker::<Sight>::posterior(&filter).moments(Isa::best());
+                let got = filter.posterior().moments(Isa::best());
                 for (j, sd) in deviations(exact).iter().enumerate() {
                     let error = (info.mean[j] - exact.mean[j]) / sd;
                     errors[slot].push(error);
@@ -110,7 +110,7 @@ fn intervals_of_the_hmc_filter_cover_what_they_say() {
             for frame in 0..frames {
                 let stage = Stage::new(run, "coverage").at_frame(frame as u32);
                 filter.step(&series.sight(frame), stage).expect("posterior");
-                let posterior = Tracker::<Sight>::posterior(&filter);
+                let posterior = filter.posterior();
                 for j in 0..dim {
                     let mut values: Vec<f64> =
                         (0..posterior.count()).map(|i| posterior.states[i / 8 * dim + j].0[i % 8]).collect();

@@ -20,7 +20,7 @@ use sinew::tracking::annealed::{self, Annealed};
 use sinew::tracking::bootstrap::{self, Bootstrap};
 use sinew::tracking::decoded::Decoded;
 use sinew::tracking::hmc_filter::{self, HmcFilter};
-use sinew::tracking::{Error, Resume, StepInfo, Tracker};
+use sinew::tracking::{Belief, Error, Resume, StepInfo, Tracker};
 use sinew_invariance::{ExactStart, RankCalibration, TestFunctions, calibration, exact_start};
 use sinew_tests::quadrature::Axis;
 
@@ -168,7 +168,7 @@ fn through_the_identity_nothing_changes() {
                 step::<Seen>(&mut plain, &seen(frame), frame),
                 "{name}"
             );
-            assert_eq!(Tracker::<Seen>::posterior(&behind), Tracker::<Seen>::posterior(&plain), "{name}");
+            assert_eq!(behind.posterior(), plain.posterior(), "{name}");
             assert_eq!(behind.save()[4..], plain.save(), "{name}");
         }
     }
@@ -303,7 +303,7 @@ fn the_bootstrap_filter_agrees_with_quadrature() {
         for (frame, exact) in (0..).zip(&exact) {
             let stage = Stage::new(run, "quadrature").at_frame(frame);
             log_evidence += tracker.step(&seen(frame), stage).expect("weights").log_evidence.expect("a filter");
-            let found = Tracker::<Seen>::posterior(&tracker).moments(Isa::best());
+            let found = tracker.posterior().moments(Isa::best());
             for k in 0..4 {
                 let slot = 8 * frame as usize + 2 * k;
                 errors[slot].push(found.mean[k] - exact.mean[k]);
@@ -330,7 +330,7 @@ fn hmc_agrees_with_quadrature() {
         let mut tracker = made.expect("valid");
         let info = tracker.step(&seen(0), Stage::new(3, "quadrature")).expect("a posterior");
         assert!(info.r_hat.is_some_and(|r| r < 1.01) && info.divergences == 0, "{info:?}");
-        let posterior = Tracker::<Seen>::posterior(&tracker);
+        let posterior = tracker.posterior();
         let mut draws = vec![vec![0.0; 4]; posterior.count()];
         draws.iter_mut().enumerate().for_each(|(i, draw)| posterior.state(i, draw));
         for k in 0..4 {

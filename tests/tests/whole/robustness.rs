@@ -10,7 +10,7 @@ use sinew::samplers::chains::{Schedule, draw_trajectories};
 use sinew::samplers::hmc::{Chains, Hmc, Workspace, update};
 use sinew::samplers::metric::Metric;
 use sinew::samplers::tuning::{self, StepSizeTrial};
-use sinew::tracking::Tracker;
+use sinew::tracking::{Belief, Tracker};
 use sinew::tracking::bootstrap::{self, Bootstrap};
 use sinew::tracking::hmc_filter::{self, HmcFilter};
 use sinew_tests::linear_series::{MixtureBetween, Series};
@@ -43,7 +43,7 @@ fn one_particle_is_a_filter_and_none_is_refused() {
             assert!(info.log_evidence.is_some_and(f64::is_finite));
         }
         if particles == 1 {
-            let moments = Tracker::<sinew_tests::linear_series::Sight>::posterior(&filter).moments(Isa::best());
+            let moments = filter.posterior().moments(Isa::best());
             assert_eq!(moments.covariance, [0.0; 4]);
         }
     }

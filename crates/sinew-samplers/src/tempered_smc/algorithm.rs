@@ -162,7 +162,7 @@ pub fn temper<O: GradLogDensity + ?Sized, P: FramePrior>(
     let draw = |block: usize, states: &mut [Block]| {
         prior.sample_block(block, states, &mut to_draw.block(block as u32));
     };
-    let population = Population::draw(prior.dim(), particles, draw)?;
+    let population = Population::from_blocks(prior.dim(), particles, draw)?;
     let kernel = |beta: f64, _: &Population, _: Option<&Temperature>| {
         Hmc::with_metric(step_size, &metric_at(prior, metric, beta)?, leapfrog_steps, jitter, isa)
     };

@@ -130,7 +130,7 @@ fn one_population(
             set_lane(states, lane, &x);
         }
     };
-    let population = Population::draw(prior.dim(), particles, draw)?;
+    let population = Population::from_blocks(prior.dim(), particles, draw)?;
     let mut step_size = 0.5;
     let kernel = |beta: f64, population: &Population, last: Option<&Temperature>| {
         if let Some(last) = last {

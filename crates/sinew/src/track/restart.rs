@@ -6,7 +6,7 @@ use crate::Error;
 use crate::methods::{FrameLikelihood, Steps};
 use sinew_core::random::Stage;
 use sinew_tracking::posterior::Posterior;
-use sinew_tracking::{Resume, StepInfo, Tracker};
+use sinew_tracking::{Belief, Resume, StepInfo, Tracker};
 
 /// What a tracker gets of a frame.
 pub struct Observation {
@@ -59,7 +59,9 @@ impl Tracker<Observation> for Restarting {
             }
         }
     }
+}
 
+impl Belief for Restarting {
     fn posterior(&self) -> Posterior<'_> {
         self.tracker.posterior()
     }
@@ -86,6 +88,9 @@ mod tests {
             let broken = sinew_tracking::Error::Config { name: "start", value: self.0[0], expected: "not negative" };
             if self.0[0] < 0.0 { Err(broken) } else { Ok(StepInfo::default()) }
         }
+    }
+
+    impl Belief for Fragile {
         fn posterior(&self) -> Posterior<'_> {
             Posterior { dim: 1, states: &[], weights: &[], effective: 0.0, chain_stats: &[] }
         }

@@ -144,7 +144,7 @@ fn run_once(problem: &Problem, opponent: Opponent, size: usize, step: &Step, sta
             let centre = |_: usize, states: &mut [Block]| {
                 states.iter_mut().zip(&problem.previous).for_each(|(x, &centre)| *x = Block::splat(centre));
             };
-            let start = Population::draw(problem.previous.len(), size, centre)?;
+            let start = Population::from_blocks(problem.previous.len(), size, centre)?;
             let config = annealed_search::Config::default();
             let found = search(observed, &start, problem.walk.sd(), &config, isa, to_sample)?;
             Run {
