@@ -4,15 +4,15 @@
 
 use crate::evidence::Errors;
 use crate::finding::{Finding, mean_and_error};
-use crate::linear_series::{MixtureBetween, Series, Sight, deviations, product};
+use crate::linear_series::{MixtureBetween, Series, deviations, product};
 use sinew::core::lanes::Isa;
 use sinew::core::random::{BlockRng, Stage};
 use sinew::core::transition::Moments;
 use sinew::dynamics::kalman::Form;
 use sinew::samplers::resample::multinomial;
 use sinew::samplers::weights::normalise;
-use sinew::tracking::{Belief, Tracker};
 use sinew::tracking::hmc_filter::{Config, HmcFilter};
+use sinew::tracking::{Belief, Tracker};
 
 /// Errors of one run: of log Z and means as for particles, and the mean squared relative error of the variances.
 #[derive(Clone, Copy, Debug, PartialEq)]

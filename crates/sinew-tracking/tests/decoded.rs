@@ -14,7 +14,7 @@ use sinew_samplers::grid::GridAxis;
 use sinew_tracking::coarse_to_fine::{self, CoarseToFine};
 use sinew_tracking::decoded::Decoded;
 use sinew_tracking::partitioned::{self, Partitioned};
-use sinew_tracking::{Belief, Error, Resume, StepInfo, Tracker};
+use sinew_tracking::{Error, Resume, StepInfo, Tracker};
 
 const START: [f64; 2] = [0.1, 0.9];
 
