@@ -15,7 +15,7 @@ use sinew::core::transition::{Cloud, Predict};
 use sinew::dynamics::random_walk::{Between, RandomWalk};
 use sinew::tracking::hmc_filter::{Config, HmcFilter};
 use sinew::tracking::posterior::Posterior;
-use sinew::tracking::{Belief, Tracker};
+use sinew::tracking::{Inferred, Tracker};
 use statrs::distribution::{ContinuousCDF, Normal};
 use std::f64::consts::PI;
 

@@ -12,7 +12,7 @@ use sinew::dynamics::kalman::Form;
 use sinew::samplers::resample::multinomial;
 use sinew::samplers::weights::normalise;
 use sinew::tracking::hmc_filter::{Config, HmcFilter};
-use sinew::tracking::{Belief, Tracker};
+use sinew::tracking::{Inferred, Tracker};
 
 /// Errors of one run: of log Z and means as for particles, and the mean squared relative error of the variances.
 #[derive(Clone, Copy, Debug, PartialEq)]

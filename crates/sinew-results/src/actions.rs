@@ -7,7 +7,7 @@
 //! Ways that no particle has are left out, so that the shares of a part in a frame add to 1. Methods without action primitives have no such file.
 
 use super::claim::Claim;
-use super::partial::{PartialFile, Place};
+use super::partial::{FilePlace, PartialFile};
 use super::table::{Table, integer};
 use super::tables::PERSON;
 use crate::Error;
@@ -22,7 +22,7 @@ pub(crate) struct Actions {
 }
 
 impl Actions {
-    pub(crate) fn open(place: &Place<'_>, info: &RunInfo) -> Result<Self, Error> {
+    pub(crate) fn open(place: &FilePlace<'_>, info: &RunInfo) -> Result<Self, Error> {
         let columns = ["frame", "time_s", "person", "part", "cluster", "model", "share"];
         let parts = info.acting_parts.clone();
         let table = (!parts.is_empty()).then(|| Table::open(place, NAME, &columns)).transpose()?;

@@ -4,7 +4,7 @@
 //!
 //! A row a chunk: CRC-32 in hexadecimal, bytes, key. The file itself has a [`super::Position`].
 
-use super::partial::{PartialFile, Place, checksum_of};
+use super::partial::{FilePlace, PartialFile, checksum_of};
 use crate::Error;
 use crate::problem::Problem;
 use crate::storage::Storage;
@@ -20,7 +20,7 @@ pub(crate) struct ChunkList {
 }
 
 impl ChunkList {
-    pub(crate) fn open(place: &Place<'_>) -> Result<Self, Error> {
+    pub(crate) fn open(place: &FilePlace<'_>) -> Result<Self, Error> {
         Ok(Self { file: place.file(NAME, |_| Ok(()))? })
     }
 

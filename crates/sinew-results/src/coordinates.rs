@@ -2,7 +2,7 @@
 //!
 //! What they are: [`sinew_angles`]. Their intervals are in `angles.csv`.
 
-use super::partial::{PartialFile, Place};
+use super::partial::{FilePlace, PartialFile};
 use crate::Error;
 use crate::estimate::{FrameEstimate, RunInfo};
 use sinew_angles::CoordinateSource;
@@ -18,7 +18,7 @@ pub(crate) struct Coordinates {
 const TITLE: &str = "Coordinates";
 
 impl Coordinates {
-    pub(crate) fn open(place: &Place<'_>, info: &RunInfo) -> Result<Self, Error> {
+    pub(crate) fn open(place: &FilePlace<'_>, info: &RunInfo) -> Result<Self, Error> {
         let columns = info.angles.columns();
         let sources = columns.iter().map(|(names, source)| (names.len(), source.clone())).collect();
         let names = columns.iter().flat_map(|(names, _)| names.clone()).collect::<Vec<_>>();

@@ -5,7 +5,7 @@
 //! `posterior` holds the rotations of the state, the root's place, the position of every point where it was not measured the size of the body, and where the detectors see the keypoints in space; `sample_stats` what the method brings and nothing else; `observed_data` the keypoints that were used.
 
 use super::chunks::ChunkList;
-use super::partial::{Place, partial_path, take_back};
+use super::partial::{FilePlace, partial_path, take_back};
 use super::results_error::ResultsError;
 use crate::Error;
 use crate::estimate::{Carried, EstimateKind, FrameEstimate, RunInfo};
@@ -110,7 +110,7 @@ impl FinishedDraws {
 }
 
 impl DrawStore {
-    pub(crate) fn open(place: &Place<'_>, info: &RunInfo, from: Option<&OpenChunks>) -> Result<Self, Error> {
+    pub(crate) fn open(place: &FilePlace<'_>, info: &RunInfo, from: Option<&OpenChunks>) -> Result<Self, Error> {
         let storage = place.storage;
         let path = place.folder.join("posterior.zarr");
         let partial = partial_path(&path);

@@ -36,7 +36,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::claim::{Claim, OWN_NAMES};
-use super::partial::{PartialFile, Place, Position};
+use super::partial::{FilePlace, PartialFile, Position};
 use super::summary::{Ending, Summary};
 use crate::storage::{Disk, Storage};
 use sinew_setup::posed_body::pose;
@@ -89,7 +89,8 @@ impl ResultFolder {
     pub fn open(claim: Claim, info: RunInfo, texts: Texts, written: Option<&Written>) -> Result<Self, Error> {
         let storage = Arc::clone(&claim.storage);
         let folder = claim.folder.clone();
-        let place = Place { storage: &storage, folder: &folder, written: written.map(|written| &written.positions) };
+        let place =
+            FilePlace { storage: &storage, folder: &folder, written: written.map(|written| &written.positions) };
         if written.is_some() {
             claim.remove("summary.json")?;
         }

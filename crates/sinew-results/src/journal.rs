@@ -4,7 +4,7 @@
 //!
 //! A row of numbers a frame ([`crate::estimate::diagnostics`], then the standard deviations of the points), little-endian.
 
-use super::partial::{PartialFile, Place};
+use super::partial::{FilePlace, PartialFile};
 use crate::Error;
 use crate::estimate::{FrameEstimate, PointMarginal, diagnostics};
 use std::io::{self, Read as _, Write as _};
@@ -19,7 +19,7 @@ pub(crate) struct Journal {
 }
 
 impl Journal {
-    pub(crate) fn open(place: &Place<'_>, cameras: usize, points: usize) -> Result<Self, Error> {
+    pub(crate) fn open(place: &FilePlace<'_>, cameras: usize, points: usize) -> Result<Self, Error> {
         Ok(Self { file: place.file(NAME, |_| Ok(()))?, cameras, points })
     }
 

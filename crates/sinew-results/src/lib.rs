@@ -45,7 +45,7 @@ pub use derived::{COMPARISON_NAMES, GAIT_NAMES, PAGE_NAME, forget_derived, refus
 pub use error::Error;
 pub use folder::{ResultFolder, Written, write_whole};
 pub use markers::{REFERENCE_ORDER, order as marker_order};
-pub use partial::{PartialFile, Place, Position};
+pub use partial::{FilePlace, PartialFile, Position};
 
 pub use read_error::ReadError;
 pub use results_error::{Expected, Occupied, ResultsError};

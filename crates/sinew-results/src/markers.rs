@@ -3,7 +3,7 @@
 //! The points of the Pose2Sim reference come first, in its order; the body's other points follow in theirs. Axes are Y up, metres. The standard deviation of a marker
 //! within the run, without the shift that all markers share, is the root mean square over its axes, metres: one weight for inverse kinematics.
 
-use super::partial::{PartialFile, Place};
+use super::partial::{FilePlace, PartialFile};
 use super::table::{Table, integer};
 use crate::Error;
 use crate::estimate::{FrameEstimate, RunInfo};
@@ -55,7 +55,7 @@ pub(crate) struct Markers {
 }
 
 impl Markers {
-    pub(crate) fn open(place: &Place<'_>, info: &RunInfo) -> Result<Self, Error> {
+    pub(crate) fn open(place: &FilePlace<'_>, info: &RunInfo) -> Result<Self, Error> {
         let order = order(&info.body);
         let names: Vec<String> = order.iter().map(|&index| info.body.points()[index].name.clone()).collect();
         let mut header = trc::Header::new("markers.trc", info.fps, names.clone());

@@ -32,7 +32,7 @@ pub struct Position {
 }
 
 /// Where the files of a run are, and how far they were written if the run is resumed.
-pub struct Place<'a> {
+pub struct FilePlace<'a> {
     /// Where files are kept.
     pub storage: &'a Arc<dyn Storage>,
     /// Folder of the results.
@@ -41,7 +41,7 @@ pub struct Place<'a> {
     pub written: Option<&'a BTreeMap<String, Position>>,
 }
 
-impl Place<'_> {
+impl FilePlace<'_> {
     /// A file that begins with a header: a new one, or the one that is there.
     pub fn file(&self, name: &str, header: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<PartialFile, Error> {
         let path = self.folder.join(name);

@@ -3,7 +3,7 @@
 //! The arms of the standard bodies hang at the zero pose; the rest pose of the file turns every link `…upper_arm` by a right angle about y, away from the trunk. Other
 //! bodies rest in their zero pose. A BVH joint keeps its place in its parent, so that translations of links other than the root are not shown.
 
-use super::partial::{PartialFile, Place};
+use super::partial::{FilePlace, PartialFile};
 use crate::Error;
 use crate::estimate::RunInfo;
 use crate::problem::{Problem, check_length};
@@ -19,7 +19,7 @@ pub(crate) struct SkeletonFile {
 }
 
 impl SkeletonFile {
-    pub(crate) fn open(place: &Place<'_>, info: &RunInfo) -> Result<Self, Error> {
+    pub(crate) fn open(place: &FilePlace<'_>, info: &RunInfo) -> Result<Self, Error> {
         let skeleton = Skeleton::new(&info.body, &t_pose(&info.body));
         let frame_time_s = info.fps.recip();
         let file = place.file("motion.bvh", |out| bvh::write_header(out, &skeleton.joints, frame_time_s, 0))?;

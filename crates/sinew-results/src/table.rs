@@ -1,6 +1,6 @@
 //! A comma-separated table being written.
 
-use super::partial::{PartialFile, Place};
+use super::partial::{FilePlace, PartialFile};
 use crate::Error;
 use sinew_formats::tidy_csv::{Cell, write_header, write_row};
 
@@ -10,7 +10,7 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    pub(crate) fn open(place: &Place<'_>, name: &str, columns: &[impl AsRef<str>]) -> Result<Self, Error> {
+    pub(crate) fn open(place: &FilePlace<'_>, name: &str, columns: &[impl AsRef<str>]) -> Result<Self, Error> {
         Ok(Self { file: place.file(name, |out| write_header(out, columns))? })
     }
 

@@ -10,7 +10,7 @@
 //!
 //! `quality` is 2 where at least two cameras saw the person, 1 for one camera, 0 where the values come from the motion model only.
 
-use super::partial::{PartialFile, Place};
+use super::partial::{FilePlace, PartialFile};
 use super::table::{Table, integer, optional};
 use crate::Error;
 use crate::estimate::{FrameEstimate, PointMarginal, RunInfo, StateMarginal};
@@ -56,7 +56,7 @@ const MARGINALS: [&str; 15] = [
 ];
 
 impl Tables {
-    pub(crate) fn open(place: &Place<'_>, info: &RunInfo) -> Result<Self, Error> {
+    pub(crate) fn open(place: &FilePlace<'_>, info: &RunInfo) -> Result<Self, Error> {
         let point_columns =
             |what| [&["frame", "time_s", "person", what][..], &MARGINALS, &["observed", "quality"]].concat();
         let mut frame_columns: Vec<String> = [

@@ -223,7 +223,7 @@ pub fn search<D: LogDensity + ?Sized>(
 ) -> Result<Found, Error> {
     config.check(sd, start.dim())?;
     let [to_diffuse, to_anneal, to_resample] = stage.split(["diffuse", "layers", "resample"]);
-    let mut particles = start.weighted();
+    let mut particles = Particles::equally_weighted(&start);
     diffuse(&mut particles, None, sd, isa, to_diffuse);
     let layers = anneal(&mut particles, density, sd, config, isa, to_anneal)?;
     let ancestors = resample(&particles, config.scheme, to_resample);
@@ -232,7 +232,7 @@ pub fn search<D: LogDensity + ?Sized>(
         mean: aggregate(&particles),
         best: particles.state(index),
         best_log_density,
-        population: Population::of(&particles).gather(&ancestors),
+        population: particles.population().gather(&ancestors),
         exponents: layers.exponents,
     })
 }

@@ -1,4 +1,3 @@
-//! Samplers of a density, their kernels, and searches.
 #![doc = include_str!("../README.md")]
 
 pub mod annealed_search;

@@ -89,7 +89,17 @@ impl Particles {
     /// # Errors
     /// [`Error::Empty`], [`Error::Uneven`].
     pub fn from_slice(dim: usize, states: &[f64]) -> Result<Self, Error> {
-        Ok(Population::from_slice(dim, states)?.weighted())
+        Ok(Self::equally_weighted(&Population::from_slice(dim, states)?))
+    }
+
+    /// The states of a population, equally weighted.
+    pub(crate) fn equally_weighted(population: &Population) -> Self {
+        Self::of(population.dim(), population.count(), population.states().to_vec())
+    }
+
+    /// The states without their weights.
+    pub(crate) fn population(&self) -> Population {
+        Population::of_blocks(self.dim(), self.count(), self.states().to_vec())
     }
 
     /// Dimension of the state.

@@ -3,7 +3,6 @@
 //! State i is lane i mod 8 of block i / 8. Lanes beyond `count` are drawn or copied like the others and never counted. Blocks are mapped in parallel; sums are taken in index order.
 
 use crate::Error;
-use crate::particles::Particles;
 use rayon::prelude::*;
 use sinew_core::density::LogDensity;
 use sinew_core::lanes::{Block, LANES, set_lane};
@@ -89,14 +88,9 @@ impl Population {
         values.iter().flat_map(|b| b.0).take(self.count).collect()
     }
 
-    /// The states of particles, without their weights.
-    pub(crate) fn of(particles: &Particles) -> Self {
-        Self { dim: particles.dim(), count: particles.count(), states: particles.states().to_vec() }
-    }
-
-    /// The same states as particles of equal weights.
-    pub(crate) fn weighted(&self) -> Particles {
-        Particles::of(self.dim, self.count, self.states.clone())
+    /// Of blocks of states, `count` of them in use.
+    pub(crate) const fn of_blocks(dim: usize, count: usize, states: Vec<Block>) -> Self {
+        Self { dim, count, states }
     }
 
     /// The states of these ancestors; idle lanes repeat them.

@@ -4,7 +4,6 @@
 
 use crate::grid::GridAxis;
 use crate::particles::{Particles, move_by};
-use crate::population::Population;
 use crate::resample::Ancestors;
 use sinew_core::density::LogDensity;
 use sinew_core::lanes::{Block, Isa, LANES};
@@ -40,7 +39,7 @@ pub fn evaluate_distinct<D: LogDensity + ?Sized>(particles: &mut Particles, like
     order.sort_by(|&a, &b| coordinates(a).cmp(coordinates(b)));
     let groups: Vec<&[usize]> = order.chunk_by(|&a, &b| coordinates(a).eq(coordinates(b))).collect();
     let firsts: Vec<usize> = groups.iter().map(|group| group[0]).collect();
-    let found = Population::of(particles).gather(&firsts).log_densities(likelihood);
+    let found = particles.population().gather(&firsts).log_densities(likelihood);
     for (group, value) in groups.iter().zip(found) {
         group.iter().for_each(|&i| particles.values[i / LANES].0[i % LANES] = value);
     }

@@ -16,7 +16,7 @@
 use crate::error::check_dimension;
 use crate::particle_state::ParticleState;
 use crate::posterior::Posterior;
-use crate::{Belief, Error, Resume, StepInfo, Tracker};
+use crate::{Error, Inferred, Resume, StepInfo, Tracker};
 use sinew_core::combinators::Sum;
 use sinew_core::density::LogDensity;
 use sinew_core::lanes::Isa;
@@ -152,7 +152,7 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Annealed<T> {
     }
 }
 
-impl<T: MotionModel> Belief for Annealed<T> {
+impl<T: MotionModel> Inferred for Annealed<T> {
     /// The last layer with its weights: of a search, and no posterior.
     fn posterior(&self) -> Posterior<'_> {
         self.state.posterior()

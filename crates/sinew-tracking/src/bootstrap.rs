@@ -13,7 +13,7 @@
 use crate::error::check_dimension;
 use crate::particle_state::{ParticleState, are_few};
 use crate::posterior::Posterior;
-use crate::{Belief, Error, Resume, StepInfo, Tracker};
+use crate::{Error, Inferred, Resume, StepInfo, Tracker};
 use sinew_core::density::LogDensity;
 use sinew_core::random::Stage;
 use sinew_core::transition::{MotionModel, Transition};
@@ -92,7 +92,7 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for Bootstrap<T> {
     }
 }
 
-impl<T: MotionModel> Belief for Bootstrap<T> {
+impl<T: MotionModel> Inferred for Bootstrap<T> {
     fn posterior(&self) -> Posterior<'_> {
         self.state.posterior()
     }

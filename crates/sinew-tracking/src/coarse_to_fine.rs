@@ -15,7 +15,7 @@
 use crate::error::check_dimension;
 use crate::particle_state::ParticleState;
 use crate::posterior::Posterior;
-use crate::{Belief, Error, Resume, StepInfo, Tracker};
+use crate::{Error, Inferred, Resume, StepInfo, Tracker};
 use sinew_core::density::PartLogDensity;
 use sinew_core::lanes::Isa;
 use sinew_core::part::PartTree;
@@ -192,7 +192,7 @@ impl<O: PartLogDensity + ?Sized> Tracker<O> for CoarseToFine {
     }
 }
 
-impl Belief for CoarseToFine {
+impl Inferred for CoarseToFine {
     /// X̂ alone: it comes without a spread.
     fn posterior(&self) -> Posterior<'_> {
         Posterior {

@@ -12,7 +12,7 @@
 use crate::error::check_dimension;
 use crate::posterior::Posterior;
 use crate::resume::check_length;
-use crate::{Belief, Error, Resume, StepInfo, Tracker};
+use crate::{Error, Inferred, Resume, StepInfo, Tracker};
 use sinew_core::combinators::Through;
 use sinew_core::decode::Decode;
 use sinew_core::density::LogDensity;
@@ -84,7 +84,7 @@ where
     }
 }
 
-impl<C: Decode, K: Belief> Belief for Decoded<C, K> {
+impl<C: Decode, K: Inferred> Inferred for Decoded<C, K> {
     fn posterior(&self) -> Posterior<'_> {
         self.tracker.posterior().as_poses(&self.states, self.decoder.target_dim())
     }

@@ -15,7 +15,7 @@ use crate::annealed::{self, Annealed};
 use crate::decoded::Decoded;
 use crate::error::check_dimension;
 use crate::posterior::Posterior;
-use crate::{Belief, Error, Resume, StepInfo, Tracker};
+use crate::{Error, Inferred, Resume, StepInfo, Tracker};
 use sinew_core::beside::Beside;
 use sinew_core::decode::Decode;
 use sinew_core::density::LogDensity;
@@ -167,7 +167,7 @@ impl<O: LogDensity + ?Sized, C: Decode + Send, T: Transition + Send> Tracker<O> 
     }
 }
 
-impl<C: Decode, T: MotionModel> Belief for Gpapf<C, T> {
+impl<C: Decode, T: MotionModel> Inferred for Gpapf<C, T> {
     /// The last layer with its weights: of a search, and no posterior.
     fn posterior(&self) -> Posterior<'_> {
         self.inner.posterior()

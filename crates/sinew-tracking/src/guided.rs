@@ -13,7 +13,7 @@
 use crate::error::check_dimension;
 use crate::particle_state::{ParticleState, are_few};
 use crate::posterior::Posterior;
-use crate::{Belief, Error, Resume, StepInfo, Tracker};
+use crate::{Error, Inferred, Resume, StepInfo, Tracker};
 use sinew_core::density::{GaussNewton, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_core::random::Stage;
@@ -146,7 +146,7 @@ impl<T: Transition + Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for Gui
     }
 }
 
-impl<T: MotionModel> Belief for Guided<T> {
+impl<T: MotionModel> Inferred for Guided<T> {
     fn posterior(&self) -> Posterior<'_> {
         self.state.posterior()
     }

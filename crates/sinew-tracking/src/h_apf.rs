@@ -19,7 +19,7 @@ use crate::latent_spaces::{LatentSpaces, check_schedule};
 use crate::particle_state::ParticleState;
 use crate::posterior::Posterior;
 use crate::resume::check_length;
-use crate::{Belief, Error, Resume, StepInfo, Tracker};
+use crate::{Error, Inferred, Resume, StepInfo, Tracker};
 use sinew_core::combinators::Through;
 use sinew_core::decode::Decode;
 use sinew_core::density::LogDensity;
@@ -171,7 +171,7 @@ impl<T: Transition + Send, O: LogDensity + ?Sized> Tracker<O> for HApf<T> {
     }
 }
 
-impl<T: MotionModel> Belief for HApf<T> {
+impl<T: MotionModel> Inferred for HApf<T> {
     /// What the next frame begins with, as poses: of a search, and no posterior.
     fn posterior(&self) -> Posterior<'_> {
         self.state.posterior().as_poses(&self.poses, self.estimate.len())

@@ -18,7 +18,7 @@
 use crate::handed::Handed;
 use crate::posterior::Posterior;
 use crate::resume::check_length;
-use crate::{Belief, Error, Resume, StepInfo, Tracker};
+use crate::{Error, Inferred, Resume, StepInfo, Tracker};
 use sinew_core::combinators::Sum;
 use sinew_core::density::GaussNewton;
 use sinew_core::lanes::{Block, Isa};
@@ -271,7 +271,7 @@ impl<T: Predict + Send, O: GaussNewton + ?Sized> Tracker<O> for HmcFilter<T> {
     }
 }
 
-impl<T: Predict> Belief for HmcFilter<T> {
+impl<T: Predict> Inferred for HmcFilter<T> {
     fn posterior(&self) -> Posterior<'_> {
         self.view()
     }

@@ -22,7 +22,7 @@
 use crate::error::check_dimension;
 use crate::particle_state::ParticleState;
 use crate::posterior::Posterior;
-use crate::{Belief, Error, Resume, StepInfo, Tracker};
+use crate::{Error, Inferred, Resume, StepInfo, Tracker};
 use sinew_core::density::PartLogDensity;
 use sinew_core::part::PartTree;
 use sinew_core::random::Stage;
@@ -177,7 +177,7 @@ impl<M: LevelMotion + Send, O: PartLogDensity + ?Sized> Tracker<O> for Hppf<M> {
     }
 }
 
-impl<M: LevelMotion> Belief for Hppf<M> {
+impl<M: LevelMotion> Inferred for Hppf<M> {
     /// What survived, with its weights: a ranking.
     fn posterior(&self) -> Posterior<'_> {
         self.state.posterior()

@@ -72,7 +72,7 @@ pub mod with_prior;
 pub use error::Error;
 pub use resume::Resume;
 pub use run::{Harness, run};
-pub use tracker::{Belief, StepInfo, Tracker};
+pub use tracker::{Inferred, StepInfo, Tracker};
 
 pub use sinew_core::random::{BlockRng, Stage};
 pub use sinew_samplers::resample::Scheme;

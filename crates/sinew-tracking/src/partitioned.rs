@@ -22,7 +22,7 @@
 use crate::error::check_dimension;
 use crate::particle_state::ParticleState;
 use crate::posterior::Posterior;
-use crate::{Belief, Error, Resume, StepInfo, Tracker};
+use crate::{Error, Inferred, Resume, StepInfo, Tracker};
 use sinew_core::density::PartLogDensity;
 use sinew_core::part::{Part, PartTree};
 use sinew_core::random::Stage;
@@ -157,7 +157,7 @@ impl<T: PartTransition + Send, O: PartLogDensity + ?Sized> Tracker<O> for Partit
     }
 }
 
-impl<T: MotionModel> Belief for Partitioned<T> {
+impl<T: MotionModel> Inferred for Partitioned<T> {
     fn posterior(&self) -> Posterior<'_> {
         self.state.posterior()
     }

@@ -11,7 +11,7 @@
 
 use crate::hmc_filter::HmcFilter;
 use crate::posterior::Posterior;
-use crate::{Belief, Error, Resume, StepInfo, Tracker};
+use crate::{Error, Inferred, Resume, StepInfo, Tracker};
 use sinew_core::combinators::Sum;
 use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
 use sinew_core::lanes::{Block, LANES};
@@ -100,7 +100,7 @@ impl<T: Predict + Send, P: GaussNewton + Send, O: GaussNewton> Tracker<O> for Re
     }
 }
 
-impl<T: Predict, P> Belief for RestrainedFilter<T, P> {
+impl<T: Predict, P> Inferred for RestrainedFilter<T, P> {
     fn posterior(&self) -> Posterior<'_> {
         self.filter.posterior()
     }

@@ -35,7 +35,7 @@
 
 use crate::bootstrap::{Bootstrap, Config};
 use crate::posterior::Posterior;
-use crate::{Belief, Error, Harness, StepInfo, Tracker, run};
+use crate::{Error, Harness, Inferred, StepInfo, Tracker, run};
 use rayon::prelude::*;
 use sinew_core::density::LogDensity;
 use sinew_core::lanes::{Block, LANES, get_lane};
@@ -101,16 +101,16 @@ impl Default for Settings {
 
 /// What [`filter`] found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Filtered {
+pub struct FilterRun {
     /// Estimate of log p(y_0 … y_T), unbiased on the natural scale.
     pub log_evidence: f64,
     /// One entry a frame.
-    pub frames: Vec<Frame>,
+    pub frames: Vec<FrameBelief>,
 }
 
 /// One frame's posterior p(x_t | y_0 … y_t) in short.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
+pub struct FrameBelief {
     /// Mean of the state.
     pub mean: Vec<f64>,
     /// Standard deviation of each coordinate.
@@ -131,7 +131,7 @@ pub fn filter<M: StateSpace>(
     model: &M,
     observations: &[M::Observation],
     settings: Settings,
-) -> Result<Filtered, Error> {
+) -> Result<FilterRun, Error> {
     Ok(filtered(model, observations, &settings, false)?.0)
 }
 
@@ -143,7 +143,7 @@ pub fn filter_with_history<M: StateSpace>(
     model: &M,
     observations: &[M::Observation],
     settings: Settings,
-) -> Result<(Filtered, History), Error> {
+) -> Result<(FilterRun, History), Error> {
     filtered(model, observations, &settings, true)
 }
 
@@ -152,7 +152,7 @@ fn filtered<M: StateSpace>(
     observations: &[M::Observation],
     settings: &Settings,
     keeps: bool,
-) -> Result<(Filtered, History), Error> {
+) -> Result<(FilterRun, History), Error> {
     let &Settings { particles, scheme, resample_below, seed } = settings;
     let (dim, config) = (model.dim(), Config { particles, scheme, resample_below });
     let bootstrap = Bootstrap::new(config, Motion { model, frame: 0 }, vec![0.0; dim])?;
@@ -162,7 +162,7 @@ fn filtered<M: StateSpace>(
     // Inside the pool of threads from the start, a step needs no other thread to be woken.
     rayon::scope(|_| run(&mut keeper, 0..observations.len() as u32, stage, &mut summary))?;
     let log_evidence = summary.frames.iter().map(|frame| frame.log_evidence).sum();
-    Ok((Filtered { log_evidence, frames: summary.frames }, keeper.history))
+    Ok((FilterRun { log_evidence, frames: summary.frames }, keeper.history))
 }
 
 /// The model's steps as a motion, which counts the frames.
@@ -222,7 +222,7 @@ struct Keeper<'a, M> {
     history: History,
 }
 
-impl<M: StateSpace> Belief for Keeper<'_, M> {
+impl<M: StateSpace> Inferred for Keeper<'_, M> {
     fn posterior(&self) -> Posterior<'_> {
         self.bootstrap.posterior()
     }
@@ -250,7 +250,7 @@ impl<'a, M: StateSpace> Tracker<Observed<'a, M>> for Keeper<'a, M> {
 struct Summary<'a, M: StateSpace> {
     model: &'a M,
     observations: &'a [M::Observation],
-    frames: Vec<Frame>,
+    frames: Vec<FrameBelief>,
 }
 
 impl<'a, M: StateSpace> Harness<Observed<'a, M>> for Summary<'a, M> {
@@ -269,7 +269,7 @@ impl<'a, M: StateSpace> Harness<Observed<'a, M>> for Summary<'a, M> {
 
     fn record(&mut self, info: StepInfo, posterior: Posterior<'_>) -> Result<(), Error> {
         let StepInfo { mean, ess, log_evidence, resampled, .. } = info;
-        self.frames.push(Frame {
+        self.frames.push(FrameBelief {
             sd: posterior.sd(&mean),
             mean,
             ess,

@@ -5,7 +5,7 @@ use crate::posterior::Posterior;
 use sinew_core::random::Stage;
 
 /// What is believed of the state: the posterior of the last frame.
-pub trait Belief {
+pub trait Inferred {
     /// Draws of the last frame's posterior; before the first step they mean nothing.
     fn posterior(&self) -> Posterior<'_>;
 
@@ -14,7 +14,7 @@ pub trait Belief {
 }
 
 /// A filter on observations of type `O`, for instance `dyn GaussNewton`. The parameter names what the tracker demands, so a box of trackers offers exactly what all of its members need.
-pub trait Tracker<O: ?Sized>: Belief + Send {
+pub trait Tracker<O: ?Sized>: Inferred + Send {
     /// Moves on to a frame and takes in its observation. A frame without observation is a log density of 0 everywhere: the tracker continues on its prior.
     ///
     /// # Errors

@@ -5,7 +5,7 @@
 //! The tracker steps on p(z_t | x) π(x), so that what it keeps is p(x | x_{t−1}) p(z_t | x) π(x) up to a constant. The factor need not be normalised; so a step has no evidence.
 
 use crate::posterior::Posterior;
-use crate::{Belief, Error, Resume, StepInfo, Tracker};
+use crate::{Error, Inferred, Resume, StepInfo, Tracker};
 use sinew_core::combinators::Sum;
 use sinew_core::density::LogDensity;
 use sinew_core::random::Stage;
@@ -31,7 +31,7 @@ where
     }
 }
 
-impl<P, K: Belief> Belief for WithPrior<P, K> {
+impl<P, K: Inferred> Inferred for WithPrior<P, K> {
     fn posterior(&self) -> Posterior<'_> {
         self.tracker.posterior()
     }

@@ -6,7 +6,7 @@ use sinew_core::random::{BlockRng, Stage};
 use sinew_core::toy::Quadratic;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_tracking::hmc_filter::{Config, HmcFilter};
-use sinew_tracking::{Belief, Tracker};
+use sinew_tracking::{Inferred, Tracker};
 
 const STEP: f64 = 0.1;
 

@@ -24,7 +24,7 @@ use sinew_tracking::hmc_filter::{self, HmcFilter};
 use sinew_tracking::hppf::{self, Hppf};
 use sinew_tracking::partitioned::{self, Partitioned};
 use sinew_tracking::posterior::Posterior;
-use sinew_tracking::{Belief, Error, Harness, Resume, StepInfo, Tracker, run};
+use sinew_tracking::{Error, Harness, Inferred, Resume, StepInfo, Tracker, run};
 
 /// An observation that serves every tracker.
 trait Seen: GaussNewton + PartLogDensity {}

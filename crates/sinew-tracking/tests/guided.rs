@@ -9,7 +9,7 @@ use sinew_dynamics::kalman::{Filtered, Form, Kalman, Model};
 use sinew_dynamics::linear_gaussian::LinearGaussian;
 use sinew_samplers::importance::Tails;
 use sinew_tracking::guided::{Config, Guided};
-use sinew_tracking::{Belief, Error, Tracker};
+use sinew_tracking::{Error, Inferred, Tracker};
 
 const TURN: [f64; 4] = [0.95, 0.2, -0.2, 0.95];
 const NOISE: [f64; 4] = [0.3, 0.1, 0.1, 0.2];

@@ -18,7 +18,7 @@ use sinew_samplers::resample::Scheme;
 use sinew_tracking::annealed::{self, Annealed};
 use sinew_tracking::gpapf::{self, Gpapf};
 use sinew_tracking::h_apf::{self, Estimate, HApf};
-use sinew_tracking::{Belief, Error, Resume, StepInfo, Tracker};
+use sinew_tracking::{Error, Inferred, Resume, StepInfo, Tracker};
 use std::sync::{Arc, Mutex};
 
 type Seen = Lanes<Quadratic>;

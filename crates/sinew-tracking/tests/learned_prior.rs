@@ -14,7 +14,7 @@ use sinew_dynamics::primitives::motion::PrimitiveMotion;
 use sinew_dynamics::random_walk::Between;
 use sinew_samplers::diagnostics::effective_sample_size;
 use sinew_tracking::hmc_filter::{self, HmcFilter};
-use sinew_tracking::{Belief, StepInfo, Tracker};
+use sinew_tracking::{Inferred, StepInfo, Tracker};
 
 const DIM: usize = 3;
 const RATE_HZ: f64 = 20.0;

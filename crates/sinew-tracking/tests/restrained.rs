@@ -9,7 +9,7 @@ use sinew_dynamics::joint_ranges::JointRanges;
 use sinew_dynamics::random_walk::{Between, RandomWalk};
 use sinew_tracking::hmc_filter::{Config, HmcFilter};
 use sinew_tracking::restrained::RestrainedFilter;
-use sinew_tracking::{Belief, Tracker};
+use sinew_tracking::{Inferred, Tracker};
 
 /// A state seen at 1.2 with the precision 4, a priori N(0, 0.8²), that should not be above 0.5 by more than some 0.2.
 const SEEN: f64 = 1.2;

@@ -15,7 +15,7 @@ use sinew_tracking::annealed::{self, Annealed};
 use sinew_tracking::bootstrap::{self, Bootstrap};
 use sinew_tracking::coarse_to_fine::{self, CoarseToFine, Judging};
 use sinew_tracking::partitioned::{self, Partitioned};
-use sinew_tracking::{Belief, StepInfo, Tracker};
+use sinew_tracking::{Inferred, StepInfo, Tracker};
 use std::sync::Arc;
 
 const SD: [f64; 3] = [0.3, 0.1, 0.2];

@@ -20,6 +20,7 @@
 //! ```
 
 pub mod claimed;
+mod former_results;
 pub mod listener;
 pub mod live;
 mod one_person;

@@ -6,7 +6,7 @@ use sinew::core::random::Stage;
 use sinew::dynamics::smoother::Smoother;
 use sinew::tracking::bootstrap::{self, Bootstrap};
 use sinew::tracking::hmc_filter::{Config, HmcFilter};
-use sinew::tracking::{Belief, StepInfo, Tracker};
+use sinew::tracking::{Inferred, StepInfo, Tracker};
 use sinew_tests::linear_series::{Series, deviations};
 
 fn hmc(series: &Series, config: Config) -> HmcFilter<sinew::dynamics::linear_gaussian::LinearGaussian> {

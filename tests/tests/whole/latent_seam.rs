@@ -20,7 +20,7 @@ use sinew::tracking::annealed::{self, Annealed};
 use sinew::tracking::bootstrap::{self, Bootstrap};
 use sinew::tracking::decoded::Decoded;
 use sinew::tracking::hmc_filter::{self, HmcFilter};
-use sinew::tracking::{Belief, Error, Resume, StepInfo, Tracker};
+use sinew::tracking::{Error, Inferred, Resume, StepInfo, Tracker};
 use sinew_invariance::{ExactStart, RankCalibration, TestFunctions, calibration, exact_start};
 use sinew_tests::quadrature::Axis;
 

@@ -12,7 +12,7 @@ use sinew::samplers::metric::Metric;
 use sinew::samplers::tuning::{self, StepSizeTrial};
 use sinew::tracking::bootstrap::{self, Bootstrap};
 use sinew::tracking::hmc_filter::{self, HmcFilter};
-use sinew::tracking::{Belief, Tracker};
+use sinew::tracking::{Inferred, Tracker};
 use sinew_tests::linear_series::{MixtureBetween, Series};
 
 fn quadratic(precision: f64) -> Lanes<Quadratic> {

@@ -17,7 +17,7 @@ use sinew::methods::{About, FrameLikelihood, Gives, LatentUse, METHODS, Making, 
 use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::Pipeline;
 use sinew::tracking::posterior::Posterior;
-use sinew::tracking::{Belief, Resume, StepInfo, Tracker};
+use sinew::tracking::{Inferred, Resume, StepInfo, Tracker};
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::simulated_source::source;
 use std::sync::Arc;
@@ -95,7 +95,7 @@ impl Tracker<FrameLikelihood> for GreedyTracker {
     }
 }
 
-impl Belief for GreedyTracker {
+impl Inferred for GreedyTracker {
     fn posterior(&self) -> Posterior<'_> {
         Posterior { dim: self.best.len(), states: &self.states, weights: &[1.0], effective: 1.0, chain_stats: &[] }
     }

@@ -1,13 +1,14 @@
 //! A run of one person: from the beginning, or from where it was stopped.
 
 use super::claimed::{claimed, claimed_in};
+use super::former_results::forget_people;
 use super::listener::{Listener, PassCounter};
 use super::pieces::{RESUME, calibration, setup_frames, within};
+use super::refined_calibration;
 use super::request::{CameTo, Run};
 use super::resume::{Start, stopped_run};
 use super::settings::reading;
 use super::threads::{wanted, with_threads};
-use super::{people, refined_calibration};
 use crate::Error;
 use crate::config::Resolved;
 use crate::input::footage::Footage;
@@ -29,7 +30,7 @@ pub(crate) fn track<S: FrameSource + Send>(
     let Run { resolved, request, read_from, listener, .. } = run;
     let config = resolved.track();
     if !request.resume {
-        people::forget_people(&config, read_from)?;
+        forget_people(&config, read_from)?;
     }
     let start = match claim {
         Some(claim) => Start::New(claim),

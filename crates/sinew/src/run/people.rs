@@ -3,6 +3,7 @@
 //! A person is tracked as though he were alone, with the same seed: results of one depend on others only where it is decided who is who.
 //! People are tracked beside each other where there are threads for it.
 
+use super::former_results::{forget_one, forget_people};
 use super::listener::{Counter, Listener};
 use super::one_person::tracked;
 use super::pieces::{setup_frames, within};
@@ -19,7 +20,7 @@ use crate::input::roll::Roll;
 use crate::input::source::FrameSource as _;
 use crate::track::job::RunPhase;
 use sinew_results::people::{PeopleSummary, person_folder};
-use sinew_results::{Claim, OWN_NAMES, RESULT_NAMES, Summary, claim, claim_in, claim_to_resume, remove};
+use sinew_results::{Claim, Summary, claim_in, claim_to_resume};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -174,26 +175,6 @@ impl<'a> PeopleCounter<'a> {
         let all = shown.1.iter().flatten().sum();
         shown.0.at(all);
     }
-}
-
-/// Removes the results of people of a run before; refuses results and stopped runs that are not to be replaced.
-pub(crate) fn forget_people(config: &TrackConfig, read_from: &[PathBuf]) -> Result<(), Error> {
-    let folder = config.out.join("people");
-    if !folder.is_dir() {
-        return Ok(());
-    }
-    let failed = |error| Error::io("read", &folder)(error);
-    for entry in std::fs::read_dir(&folder).map_err(failed)? {
-        drop(claim(&entry.map_err(failed)?.path(), read_from, config.force)?);
-    }
-    std::fs::remove_dir_all(&folder).map_err(Error::io("remove", &folder))?;
-    Ok(remove(&config.out.join("people.csv"))?)
-}
-
-/// Removes the results of a run of one person, in whose place results of several come.
-fn forget_one(out: &Path) -> Result<(), Error> {
-    RESULT_NAMES.iter().chain(&OWN_NAMES).try_for_each(|name| remove(&out.join(name)))?;
-    Ok(sinew_results::forget_derived(out)?)
 }
 
 /// How the run of a person ended.

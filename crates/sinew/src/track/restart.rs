@@ -6,7 +6,7 @@ use crate::Error;
 use crate::methods::{FrameLikelihood, Steps};
 use sinew_core::random::Stage;
 use sinew_tracking::posterior::Posterior;
-use sinew_tracking::{Belief, Resume, StepInfo, Tracker};
+use sinew_tracking::{Inferred, Resume, StepInfo, Tracker};
 
 /// What a tracker gets of a frame.
 pub struct Observation {
@@ -61,7 +61,7 @@ impl Tracker<Observation> for Restarting {
     }
 }
 
-impl Belief for Restarting {
+impl Inferred for Restarting {
     fn posterior(&self) -> Posterior<'_> {
         self.tracker.posterior()
     }
@@ -90,7 +90,7 @@ mod tests {
         }
     }
 
-    impl Belief for Fragile {
+    impl Inferred for Fragile {
         fn posterior(&self) -> Posterior<'_> {
             Posterior { dim: 1, states: &[], weights: &[], effective: 0.0, chain_stats: &[] }
         }

@@ -22,7 +22,7 @@ use sinew_body::KinematicTree;
 use sinew_dynamics::backward_pass::{BackwardPass, FrameNumbers, numbers_of_frame};
 use sinew_dynamics::smoother::Smoother;
 use sinew_results::estimate::FrameEstimate;
-use sinew_results::{Claim, Disk, PartialFile, Place, Position, Storage, UnsyncedDisk};
+use sinew_results::{Claim, Disk, FilePlace, PartialFile, Position, Storage, UnsyncedDisk};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -90,7 +90,7 @@ impl Spool {
         written: Option<(u64, Position)>,
     ) -> Result<Self, Error> {
         let positions = written.map(|(_, position)| BTreeMap::from([(MOMENTS.to_owned(), position)]));
-        let place = Place { storage, folder, written: positions.as_ref() };
+        let place = FilePlace { storage, folder, written: positions.as_ref() };
         let moments = place.file(MOMENTS, |_| Ok(()))?;
         let frames = written.map_or(0, |(frames, _)| frames);
         let files = Files {
