@@ -167,7 +167,7 @@ mod tests {
             ("sinew-dynamics", "sinew-body", "sinew-core"),
             ("sinew-samplers", "sinew-tracking", "sinew-core"),
             ("sinew-tracking", "sinew-body", "sinew-samplers"),
-            ("sinew-formats", "sinew-core", "sinew-body"),
+            ("sinew-formats", "sinew-dynamics", "sinew-body"),
             ("sinew-motion", "sinew", "sinew-formats"),
             ("sinew-simulate", "sinew-tracking", "sinew-observe"),
             ("sinew-simulate", "sinew", "sinew-formats"),

@@ -233,8 +233,10 @@ fn sources(folder: &Path, text: &mut String) {
 #[test]
 fn quoted_warnings_match_the_program() {
     let mut program = String::new();
-    ["sinew-formats", "sinew-recording", "sinew-angles", "sinew", "sinew-runs", "sinew-cli"]
+    ["formats", "input", "setup", "angles", "results", "analysis", "cli"]
+        .map(|name| format!("sinew-{name}"))
         .iter()
+        .chain([&"sinew".to_owned()])
         .for_each(|name| sources(&root().join("crates").join(name).join("src"), &mut program));
     let page = read("docs/guide/warnings.md");
     let says = page

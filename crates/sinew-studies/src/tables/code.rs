@@ -1,20 +1,16 @@
-//! Tables that derive from lists in the code: settings, methods, layouts, planted bugs.
+//! Tables that derive from lists in the code: settings, methods, layouts.
 
-use crate::support::root;
 use sinew::config::setting::{Setting, SettingKind};
 use sinew::config::table::settings;
 use sinew::formats::layout;
 use sinew::methods::{About, Gives, METHODS};
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::fs;
 
 /// The table of that name; Markdown.
 pub(super) fn table(name: &str) -> Option<String> {
     match name.split_once(' ') {
         None if name == "methods" => Some(methods()),
         None if name == "layouts" => Some(layouts()),
-        None if name == "planted-bugs" => planted_bugs(),
         Some(("settings", group)) => group_table(group),
         _ => None,
     }
@@ -93,39 +89,4 @@ fn layouts() -> String {
         }
     }
     table
-}
-
-/// What the table says of a bug.
-#[derive(serde::Deserialize)]
-struct Bug {
-    name: String,
-    what: String,
-    caught_by: Vec<Test>,
-}
-
-#[derive(serde::Deserialize)]
-struct Test {
-    package: String,
-    target: String,
-    test: String,
-}
-
-fn planted_bugs() -> Option<String> {
-    let listed = fs::read_dir(root().join("tests/planted")).ok()?;
-    let mut paths: Vec<_> = listed.filter_map(|entry| Some(entry.ok()?.path())).collect();
-    paths.retain(|path| path.extension().is_some_and(|e| e == "toml"));
-    paths.sort();
-    let mut table = String::from("| bug | what it is | caught by |\n|---|---|---|\n");
-    for path in paths {
-        let mut bugs: BTreeMap<String, Vec<Bug>> = toml::from_str(&fs::read_to_string(path).ok()?).ok()?;
-        for Bug { name, what, caught_by } in bugs.remove("bug")? {
-            let test = |Test { package, target, test }: &Test| {
-                format!("{}, {target}: `{test}`", package.strip_prefix("sinew-").unwrap_or(package))
-            };
-            let tests: Vec<String> = caught_by.iter().map(test).collect();
-            let what = what.trim_end_matches('.').replace('|', "\\|");
-            let _ = writeln!(table, "| {name} | {what} | {} |", tests.join("<br>"));
-        }
-    }
-    Some(table)
 }
