@@ -110,7 +110,7 @@ fn event_table(names: &str, groups: &[(String, Vec<&Value>)]) -> String {
             let count = |what: &str| cells.iter().filter_map(|cell| cell["events"][what].as_u64()).sum::<u64>();
             let errors = column(&seeds, |x| 1e3 * x[0]);
             let bias: Vec<f64> =
-                seeds.iter().map(|all| mean(&all.iter().map(|x| 1e3 * x[0]).collect::<Vec<_>>())).collect();
+                seeds.iter().map(|all| mean(all.iter().map(|x| 1e3 * x[0]).collect::<Vec<_>>())).collect();
             let _ = writeln!(
                 text,
                 "| {group} | {words} | {} | {} | {} | {} | {:.1} | {:.1} | {} | {:.0} |",
@@ -119,9 +119,9 @@ fn event_table(names: &str, groups: &[(String, Vec<&Value>)]) -> String {
                 count("extra"),
                 with_error(&bias, 1),
                 rms(&errors),
-                mean(&column(&seeds, |x| 500.0 * (x[2] - x[1]))),
+                mean(column(&seeds, |x| 500.0 * (x[2] - x[1]))),
                 with_error(&inside(&seeds), 1),
-                mean(&column(&seeds, |x| 1e3 * x[3])),
+                mean(column(&seeds, |x| 1e3 * x[3])),
             );
         }
     }
@@ -140,7 +140,7 @@ fn parameter_table(cells: &[&(&Way, Vec<&Value>)]) -> String {
             let means: Vec<Vec<Vec<f64>>> =
                 cells.iter().map(|cell| vec![numbers(&cell["parameters"]["means"][key])]).collect();
             let bias: Vec<f64> =
-                seeds.iter().map(|all| mean(&all.iter().map(|x| factor * x[0]).collect::<Vec<_>>())).collect();
+                seeds.iter().map(|all| mean(all.iter().map(|x| factor * x[0]).collect::<Vec<_>>())).collect();
             let _ = writeln!(
                 text,
                 "| {} | {} | {words} | {} | {:.1} | {:.1} | {} | {:.1} | {} |",
@@ -148,7 +148,7 @@ fn parameter_table(cells: &[&(&Way, Vec<&Value>)]) -> String {
                 way.persistence,
                 with_error(&bias, 1),
                 rms(&column(&seeds, |x| factor * x[0])),
-                mean(&column(&seeds, |x| 0.5 * factor * (x[2] - x[1]))),
+                mean(column(&seeds, |x| 0.5 * factor * (x[2] - x[1]))),
                 with_error(&inside(&seeds), 1),
                 rms(&column(&means, |x| factor * x[0])),
                 with_error(&inside(&means), 1),

@@ -72,7 +72,7 @@ impl Tally {
         self.millimetres.push(1e3 * evaluation::mean_distance(&track, &target, 0..target.len()));
         self.covered.push(evaluation::covered(&run.tree, estimates, truth, &EVALUATION_JOINTS));
         self.model_error_mm.push(1e3 * run.setup.model_error_m);
-        self.sigma_px.push(mean(&run.setup.camera.iter().map(|c| c.sigma_px).collect::<Vec<_>>()));
+        self.sigma_px.push(mean(run.setup.camera.iter().map(|c| c.sigma_px).collect::<Vec<_>>()));
     }
 }
 

@@ -36,7 +36,7 @@ impl Found {
     /// The same at one of the levels.
     pub(super) fn pooled_at(&self, level: f64) -> [f64; 2] {
         let index = ranks::LEVELS.iter().position(|known| *known == level);
-        let own = |series: &Series| index.and_then(|i| series.covered.get(i)).map_or(f64::NAN, |joints| mean(joints));
+        let own = |series: &Series| index.and_then(|i| series.covered.get(i)).map_or(f64::NAN, mean);
         with_error(self.all.iter().map(own).collect())
     }
 
@@ -55,15 +55,15 @@ impl Found {
     }
 
     pub(super) fn half_width_mm(&self) -> f64 {
-        1e3 * mean(&self.all.iter().map(|series| series.half_width_m).collect::<Vec<_>>())
+        1e3 * mean(self.all.iter().map(|series| series.half_width_m).collect::<Vec<_>>())
     }
 
     pub(super) fn error_mm(&self) -> f64 {
-        1e3 * mean(&self.all.iter().map(|series| series.error_m).collect::<Vec<_>>())
+        1e3 * mean(self.all.iter().map(|series| series.error_m).collect::<Vec<_>>())
     }
 
     pub(super) fn disagreeing(&self) -> f64 {
-        mean(&self.all.iter().map(|series| series.disagreeing).collect::<Vec<_>>())
+        mean(self.all.iter().map(|series| series.disagreeing).collect::<Vec<_>>())
     }
 
     /// Relative frequency of each bin of the joints' ranks, 1 where uniform, with its standard error over the series.

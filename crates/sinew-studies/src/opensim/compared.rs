@@ -177,7 +177,7 @@ pub(super) fn table(seeds: &[Compared]) -> String {
         if rows.is_empty() {
             continue;
         }
-        let usual = |value: fn(&Row) -> f64| mean(&rows.iter().map(value).collect::<Vec<_>>());
+        let usual = |value: fn(&Row) -> f64| mean(rows.iter().map(value).collect::<Vec<_>>());
         let maybe = |value: &dyn Fn(&Row) -> Option<f64>| {
             let values: Vec<f64> = rows.iter().filter_map(value).collect();
             if values.is_empty() { "—".into() } else { signed(mean(&values)) }

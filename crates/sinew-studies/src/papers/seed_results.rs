@@ -95,7 +95,7 @@ impl Results<'_> {
         let (a, b) = (self.series(a, "/relative")?, self.series(b, "/relative")?);
         let pairs = a.iter().zip(&b).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect());
         let series: Vec<Vec<f64>> = pairs.collect();
-        let value = mean(&series.concat());
+        let value = mean(series.concat());
         Ok([value, value + ONE_SIDED * block_bootstrap(&series, self.block, REPLICATES, 1)])
     }
 }

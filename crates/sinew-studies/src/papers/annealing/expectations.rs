@@ -26,7 +26,7 @@ pub(super) struct Expectation {
 
 /// Errors of a method on the film, the mean over the frames of each seed, millimetres.
 pub(super) fn errors(study: &Study, score: &str, method: &Method, which: &str) -> Outcome<Vec<f64>> {
-    Ok(study.filmed(score, method)?.into_iter().map(|value| mean(&numbers(&value[which]))).collect())
+    Ok(study.filmed(score, method)?.into_iter().map(|value| mean(numbers(&value[which]))).collect())
 }
 
 /// Errors from the pelvis beyond which the walk is not tracked in a reduced run, millimetres.

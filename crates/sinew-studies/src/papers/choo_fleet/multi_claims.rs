@@ -41,7 +41,7 @@ fn over_all_frames(study: &Study, store: &Store, source: Source) -> Outcome<Over
         let [hmc, particles] = series(study, store, source, index, "error_m")?;
         let differences: Vec<f64> = hmc.iter().zip(&particles).map(|(a, b)| b[SHOWN - 1] - a[SHOWN - 1]).collect();
         let [_, z] = paired(&differences);
-        let of = |all: &[Vec<f64>]| 1e3 * mean(&all.iter().map(|run| run[SHOWN - 1]).collect::<Vec<_>>());
+        let of = |all: &[Vec<f64>]| 1e3 * mean(all.iter().map(|run| run[SHOWN - 1]).collect::<Vec<_>>());
         nearer &= z > 3.0;
         errors.push(format!("{dim}-D {:.1} mm against {:.1} mm (z = {z:.1})", of(&hmc), of(&particles)));
     }

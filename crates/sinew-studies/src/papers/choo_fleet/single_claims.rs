@@ -177,7 +177,7 @@ fn volume_bounds(study: &Study, store: &Store) -> Outcome<Claim> {
     let inside = by_det.iter().zip(&bounds).all(|(values, bound)| values.iter().all(|v| bound.contains(v)));
     let line = |i: usize| by_det[0][i] + (by_det[1][i] - by_det[0][i]) / 6.0 * 24.0;
     let misses: Vec<f64> = (0..by_det[0].len()).map(|i| line(i) - by_det[2][i]).collect();
-    let means: Vec<f64> = by_det.iter().map(|v| mean(v)).collect();
+    let means: Vec<f64> = by_det.iter().map(mean).collect();
     Ok(Claim {
         id: "CF5",
         paper: "the bound on N by volumes is 10² (4-D), 10⁵ (10-D), 10¹³ (28-D, extrapolated)",
@@ -202,7 +202,7 @@ fn slopes(study: &Study, store: &Store) -> Outcome<Claim> {
     let slopes: Vec<f64> = (0..3)
         .map(|model| {
             let all = curves(study, store, MAIN, model, Variant::Paper)?;
-            Ok(mean(&all.iter().map(|[_, chains]| slope(study, chains)).collect::<Vec<_>>()))
+            Ok(mean(all.iter().map(|[_, chains]| slope(study, chains)).collect::<Vec<_>>()))
         })
         .collect::<Outcome<_>>()?;
     Ok(Claim {

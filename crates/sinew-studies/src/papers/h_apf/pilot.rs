@@ -71,7 +71,7 @@ const fn noise(noise: f64) -> Tuning {
 /// Errors of some runs as a row.
 fn row(runs: &[Errors], mean_pose: &Errors) -> String {
     let found: Vec<(f64, f64, bool)> = runs.iter().map(|errors| kept(errors, mean_pose)).collect();
-    let over = |of: &dyn Fn(usize) -> f64| mean(&(0..runs.len()).map(of).collect::<Vec<_>>());
+    let over = |of: &dyn Fn(usize) -> f64| mean((0..runs.len()).map(of).collect::<Vec<_>>());
     let (absolute, relative) = (over(&|k| mean(&runs[k].absolute)), over(&|k| mean(&runs[k].relative)));
     let (ratio, near) = (over(&|k| found[k].1), over(&|k| 100.0 * found[k].0));
     let kept = found.iter().filter(|(.., is_kept)| *is_kept).count();

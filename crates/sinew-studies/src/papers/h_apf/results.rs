@@ -65,7 +65,7 @@ impl Results<'_> {
             let pairs = a.iter().zip(&b).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect());
             groups.push(pairs.collect::<Vec<Vec<f64>>>());
         }
-        let value = mean(&groups.iter().map(|series| mean(&series.concat())).collect::<Vec<_>>());
+        let value = mean(groups.iter().map(|series| mean(series.concat())).collect::<Vec<_>>());
         let reach = ONE_SIDED * grouped_block_bootstrap(&groups, self.block, REPLICATES, 1);
         Ok([value - reach, value, value + reach])
     }
@@ -76,7 +76,7 @@ impl Results<'_> {
             let share = |seed| Ok(self.cell(&on(method, *motion), seed)?["off_manifold"].as_f64().unwrap_or(f64::NAN));
             (1..=self.seeds).map(share).collect()
         };
-        Ok(mean(&motions.iter().map(of).collect::<Outcome<Vec<_>>>()?.concat()))
+        Ok(mean(motions.iter().map(of).collect::<Outcome<Vec<_>>>()?.concat()))
     }
 
     /// Runs that find the person again after a disturbance, and all.
