@@ -207,7 +207,8 @@ impl KinematicTree {
                 let vector = joint.axis().direction();
                 let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
                 // Negated, so that NaN is refused.
-                if !((length - 1.0).abs() < 1e-9) {
+                let is_unit = (length - 1.0).abs() < 1e-9;
+                if !is_unit {
                     return Err(Error::NoAxis { vector });
                 }
             }

@@ -71,6 +71,7 @@ pub struct LineSearch {
     low: Trial,
     high: Option<Trial>,
     length: f64,
+    promised: f64,
     trials: usize,
     tried: Vec<f64>,
     /// Point and gradient of `low`.
@@ -119,7 +120,7 @@ impl Lbfgs {
         }
     }
 
-    /// −H g by the two loops over the pairs, H scaled by the newest; without pairs −g, at most one long in the sum of its entries.
+    /// −H g by the two loops over the pairs, H scaled by the newest; without pairs −g.
     fn direction(&self) -> Vec<f64> {
         let mut direction: Vec<f64> = self.gradient.iter().map(|g| -g).collect();
         let mut along = Vec::with_capacity(MEMORY);
@@ -128,8 +129,7 @@ impl Lbfgs {
             direction.iter_mut().zip(y).for_each(|(d, y)| *d -= a * y);
             along.push(a);
         }
-        let steep: f64 = self.gradient.iter().map(|g| g.abs()).sum();
-        let scale = self.pairs.last().map_or(steep.recip().min(1.0), |(s, y)| dot(s, y) / dot(y, y));
+        let scale = self.pairs.last().map_or(1.0, |(s, y)| dot(s, y) / dot(y, y));
         direction.iter_mut().for_each(|d| *d *= scale);
         for ((s, y), a) in self.pairs.iter().zip(along.iter().rev()) {
             let b = dot(y, &direction) / dot(s, y);
@@ -143,8 +143,12 @@ impl Lbfgs {
     pub fn line_search(&self) -> LineSearch {
         let direction = self.direction();
         let start = Trial { length: 0.0, value: self.value, slope: dot(&direction, &self.gradient) };
+        // Straight down, at most one long in the sum of its entries.
+        let steep: f64 = self.gradient.iter().map(|g| g.abs()).sum();
+        let length = if self.pairs.is_empty() { steep.recip().min(1.0) } else { 1.0 };
         let (tried, best) = (self.x.clone(), (Vec::new(), Vec::new()));
-        LineSearch { direction, start, low: start, high: None, length: 1.0, trials: 0, tried, best }
+        let promised = -0.5 * length * start.slope;
+        LineSearch { direction, start, low: start, high: None, length, promised, trials: 0, tried, best }
     }
 
     /// Goes to the lowest point of a search; false where it found none below the start.
@@ -177,7 +181,7 @@ impl LineSearch {
     /// What the quadratic model of the function promises that the first trial gains.
     #[must_use]
     pub fn promised_gain(&self) -> f64 {
-        -0.5 * self.start.slope
+        self.promised
     }
 
     /// The point to be tried next; none where enough is found, or there is no way down, or what can still be gained is lost in rounding.

@@ -1,10 +1,10 @@
 //! Records of tables in text by `csv`, with the line on which each starts.
 //!
-//! Blank lines are skipped, and blanks around cells.
+//! Blank lines are skipped, and blanks around cells in lines without quotes.
 
 use crate::Error;
 use crate::source_text::{truncated_in_line, without_mark};
-use csv::{ReaderBuilder, StringRecord, Trim};
+use csv::{ReaderBuilder, StringRecord};
 use std::io::Read as _;
 
 /// Stands behind the text: a quote that is never closed swallows it.
@@ -21,7 +21,7 @@ pub(crate) fn records(
 ) -> impl Iterator<Item = Result<(usize, StringRecord), Error>> {
     let text = without_mark(text);
     let mut builder = ReaderBuilder::new();
-    builder.has_headers(false).flexible(true).trim(Trim::All).delimiter(separator);
+    builder.has_headers(false).flexible(true).delimiter(separator);
     let mut reader = builder.from_reader(text.as_bytes().chain(END));
     let next = move || {
         let mut record = StringRecord::new();
@@ -32,7 +32,11 @@ pub(crate) fn records(
         let skipped = &rest[..rest.len() - rest.trim_start_matches(['\r', '\n']).len()];
         let line = start.line() as usize + skipped.matches('\n').count();
         let end = reader.position().byte() as usize;
-        let is_blank = rest.get(..end - start.byte() as usize).is_some_and(|read| read.trim().is_empty());
+        let read = rest.get(..end - start.byte() as usize).unwrap_or(rest);
+        let is_blank = read.trim().is_empty();
+        if !read.contains('"') {
+            record.trim();
+        }
         Some(if end > text.len() + 1 {
             Err(truncated_in_line(name, text, "a quoted cell", line))
         } else {

@@ -223,7 +223,7 @@ pub fn search<D: LogDensity + ?Sized>(
 ) -> Result<Found, Error> {
     config.check(sd, start.dim())?;
     let [to_diffuse, to_anneal, to_resample] = stage.split(["diffuse", "layers", "resample"]);
-    let mut particles = Particles::equally_weighted(&start);
+    let mut particles = Particles::equally_weighted(start);
     diffuse(&mut particles, None, sd, isa, to_diffuse);
     let layers = anneal(&mut particles, density, sd, config, isa, to_anneal)?;
     let ancestors = resample(&particles, config.scheme, to_resample);

@@ -39,7 +39,9 @@ fn largest_finite(log_weights: &[f64]) -> Result<f64, Error> {
         all_good &= *l < f64::INFINITY;
         largest[i] = if *l > largest[i] { *l } else { largest[i] };
     }
-    if let Some((index, value)) = log_weights.iter().enumerate().find(|(_, l)| !all_good && !(**l < f64::INFINITY)) {
+    if let Some((index, value)) =
+        log_weights.iter().enumerate().find(|(_, l)| !all_good && (l.is_nan() || **l == f64::INFINITY))
+    {
         return Err(Error::BadWeight { index, value: *value });
     }
     let max = largest.into_iter().fold(f64::NEG_INFINITY, f64::max);
