@@ -59,7 +59,7 @@ impl FolderTable {
                 crate::Error::from(ResultsError::Cell { file, line: *line, found, expected: Expected::Number })
             }),
         };
-        Ok(self.cells.rows.iter().map(number).collect::<Result<_, _>>()?)
+        self.cells.rows.iter().map(number).collect()
     }
 
     /// Numbers of the column of that name.

@@ -19,7 +19,7 @@ pub fn settings(given: &[(&'static str, String)], file: Option<&Path>) -> Result
         std::env::vars_os().filter_map(|(name, value)| Some((name.into_string().ok()?, value.into_string().ok()?)));
     let mut environment: Vec<(String, String)> = environment.filter(|(name, _)| name.starts_with("SINEW_")).collect();
     environment.sort();
-    Ok(resolve(&Sources { flags: given.to_vec(), environment, file: file.map(PathBuf::from) })?)
+    resolve(&Sources { flags: given.to_vec(), environment, file: file.map(PathBuf::from) })
 }
 
 /// Settings with the frame rate that the times in the keypoints say, as though it had been given, where nothing else gives one.
