@@ -40,7 +40,7 @@ impl Default for MotionFollowing {
 /// States of a body along a motion, one a frame; points that the motion lacks do not count.
 ///
 /// # Errors
-/// [`FollowError::NoPoint`] where the motion has no hips.
+/// [`FollowError::Body`] where the motion has no hips.
 pub fn states(
     body: &KinematicTree,
     motion: &Trajectories,

@@ -77,7 +77,7 @@ const FOLLOWING: MotionFollowing = MotionFollowing { damping: 1e-3, first_refits
 /// Makes a body follow a motion, frame by frame.
 ///
 /// # Errors
-/// [`FollowError::NoFrames`], [`FollowError::NoPoint`] where a joint of evaluation is missing, [`FollowError::NoPose`] where the first frame does not determine a pose.
+/// [`FollowError::NoFrames`], [`FollowError::Body`] where a joint of evaluation is missing, [`FollowError::NoPose`] where the first frame does not determine a pose.
 pub fn follow(body: NamedBody, motion: &Trajectories) -> Result<Followed, FollowError> {
     if motion.frames.is_empty() {
         return Err(FollowError::NoFrames);

@@ -16,7 +16,7 @@ pub enum Scale {
 /// The scale of HPPF24, 1 for an adult of 1.75 m, by which its segments are as long as a motion's. A segment is a pair of names of points.
 ///
 /// # Errors
-/// [`FollowError::NoPoint`] for a point that the motion lacks, [`FollowError::NoFrames`].
+/// [`FollowError::Body`] for a point that the motion lacks, [`FollowError::NoFrames`].
 pub fn scale(motion: &Trajectories, segments: &[(&str, &str)], how: Scale) -> Result<f64, FollowError> {
     let unit = hppf24::tree(1.0);
     let body = points_of_states(&unit, &[vec![0.0; unit.dof()]]);

@@ -19,7 +19,7 @@ const fn point(name: &'static str) -> Place {
 /// The sizes of a body whose root lies above the middle of the hips by this share of the trunk; the motion has all joints of evaluation.
 ///
 /// # Errors
-/// [`FollowError::NoPoint`], [`FollowError::NoFrames`], and [`FollowError::NoPose`] for positions that are no numbers.
+/// [`FollowError::Body`], [`FollowError::NoFrames`], and [`FollowError::NoPose`] for positions that are no numbers.
 pub fn median_lengths(motion: &Trajectories, root: f64) -> Result<Proportions, FollowError> {
     let length = |from: Place, to: Place| median_distance(motion, from, to);
     let both = |from: &str, to: &str| -> Result<f64, FollowError> {

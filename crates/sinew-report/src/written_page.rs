@@ -31,7 +31,7 @@ pub fn write(
 /// Writes the page of a run into its folder, or one a person into theirs; none where no frame was tracked.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_for_run(out: &Path, calibration: &Path, listener: &dyn Listener) -> Result<(), Error> {
     let folders = if is_of_several(out) { person_folders(out).collect() } else { vec![out.to_owned()] };
     for folder in folders {

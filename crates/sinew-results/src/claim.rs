@@ -75,7 +75,7 @@ impl Drop for Made {
 /// Claims a folder for results.
 ///
 /// # Errors
-/// [`Error::OutputIsInput`], [`Error::OutputExists`], [`Error::OutputLocked`], and [`Error::Io`] for a folder that cannot be written.
+/// [`Error::OutputIsInput`], [`Error::OutputExists`], [`Error::OutputLocked`], and a file that cannot be read or written for a folder that cannot be written.
 pub fn claim(folder: &Path, inputs: &[PathBuf], force: bool) -> Result<Claim, Error> {
     claim_in(Arc::new(Disk), folder, inputs, force)
 }
@@ -110,7 +110,7 @@ pub fn claim_in(storage: Arc<dyn Storage>, folder: &Path, inputs: &[PathBuf], fo
 /// Claims the folder of a run that was stopped, to resume it.
 ///
 /// # Errors
-/// [`Error::OutputIsInput`], [`Error::OutputLocked`], [`Error::Checkpoint`] where nothing was stopped, and [`Error::Io`] for a folder that cannot be written.
+/// [`Error::OutputIsInput`], [`Error::OutputLocked`], [`Error::Checkpoint`] where nothing was stopped, and a file that cannot be read or written for a folder that cannot be written.
 pub fn claim_to_resume(folder: &Path, inputs: &[PathBuf]) -> Result<Claim, Error> {
     refuse_inputs(folder, inputs)?;
     if !folder.is_dir() {

@@ -15,7 +15,7 @@
 //! 3. [`ResultFolder::append`] streams one frame into all of them; memory does not grow with the number of frames: what the summary needs of each is kept in a file.
 //! 4. [`ResultFolder::finish`] completes the headers, syncs, checks, renames, and writes `summary.json` last.
 //!
-//! [`ResultFolder::keep`] says how far the files go, for a [`crate::track::checkpoint`]. A run that is stopped in between leaves readable `*.partial` files and no summary.
+//! [`ResultFolder::keep`] says how far the files go, for a checkpoint. A run that is stopped in between leaves readable `*.partial` files and no summary.
 
 use super::actions::Actions;
 use super::coordinates::Coordinates;
@@ -76,7 +76,7 @@ impl ResultFolder {
     /// Removes what a run left that was stopped: it is not to be resumed.
     ///
     /// # Errors
-    /// [`Error::Io`] with the path.
+    /// A file that cannot be read or written with the path.
     pub fn forget(claim: &Claim) -> Result<(), Error> {
         // The checkpoint first: without it the others mean nothing.
         OWN_NAMES.iter().rev().try_for_each(|name| claim.remove(name))
@@ -85,7 +85,7 @@ impl ResultFolder {
     /// Opens all files: new ones, or the files of a run that was stopped, cut to what was `written` then. Older results lose their summary and their checkpoint.
     ///
     /// # Errors
-    /// [`Error::Io`] with the path; [`Error::Checkpoint`] for files that are not as they were left.
+    /// A file that cannot be read or written with the path; [`Error::Checkpoint`] for files that are not as they were left.
     pub fn open(claim: Claim, info: RunInfo, texts: Texts, written: Option<&Written>) -> Result<Self, Error> {
         let storage = Arc::clone(&claim.storage);
         let folder = claim.folder.clone();
@@ -133,7 +133,7 @@ impl ResultFolder {
     /// Hands everything to the disk, and says how far it goes.
     ///
     /// # Errors
-    /// [`Error::Io`] with the path.
+    /// A file that cannot be read or written with the path.
     pub fn keep(&mut self) -> Result<Written, Error> {
         let files = [
             &mut self.markers.trc,
@@ -161,7 +161,7 @@ impl ResultFolder {
     /// Writes a frame into every file.
     ///
     /// # Errors
-    /// [`Error::Io`] with the path at the first failure.
+    /// A file that cannot be read or written with the path at the first failure.
     pub fn append(&mut self, estimate: &FrameEstimate) -> Result<(), Error> {
         self.check(estimate)?;
         let pose = pose(&self.info.body, &estimate.mean_state);
@@ -214,7 +214,7 @@ impl ResultFolder {
     /// Completes, syncs and renames all files; `summary.json` last. What a run is resumed from is removed where all frames are there.
     ///
     /// # Errors
-    /// [`Error::Io`] with the path at the first failure; what is not renamed by then keeps its provisional name.
+    /// A file that cannot be read or written with the path at the first failure; what is not renamed by then keeps its provisional name.
     pub fn finish(self, ending: &Ending) -> Result<Summary, Error> {
         let Self { info, texts, markers, tables, actions, coordinates, skeleton, draws, .. } = self;
         let Self { mut journal, mut whole, frames, claim, unseen, .. } = self;
@@ -257,7 +257,7 @@ fn visibility(info: &RunInfo) -> Option<Visibility> {
 /// Writes a single file beside its place, and renames it once it is whole; then both are on the disk.
 ///
 /// # Errors
-/// [`Error::Io`] with the path.
+/// A file that cannot be read or written with the path.
 pub fn write_whole(path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
     write_whole_in(&(Arc::new(Disk) as Arc<dyn Storage>), path, bytes)
 }

@@ -122,7 +122,7 @@ impl PeopleSummary {
     /// Writes both files.
     ///
     /// # Errors
-    /// [`Error::Io`] with the path.
+    /// A file that cannot be read or written with the path.
     pub fn write(&self, folder: &Path) -> Result<(), Error> {
         write_whole(&folder.join("people.csv"), self.to_csv().as_bytes())?;
         let json = serde_json::to_string_pretty(self).unwrap_or_default() + "\n";

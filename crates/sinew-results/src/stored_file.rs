@@ -9,7 +9,7 @@ use std::path::Path;
 /// Bytes of a file of at most `limit` bytes.
 ///
 /// # Errors
-/// [`Error::Io`] with the path, an error of the format for a file that is too large.
+/// A file that cannot be read or written with the path, an error of the format for a file that is too large.
 pub fn read_stored(storage: &dyn Storage, path: &Path, limit: u64) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
     let read = storage.read(path).and_then(|file| file.take(limit + 1).read_to_end(&mut bytes));

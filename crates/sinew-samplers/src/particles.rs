@@ -3,7 +3,7 @@
 //! [`Particles`] holds `count` states, dimension-major in blocks: state i is lane i mod 8 of block i / 8. The lanes of the last block beyond `count` are moved along and never counted. The population before
 //! the last [`predict`] is kept as well, with the place in it of each state's ancestor.
 //!
-//! A step of a bootstrap filter is [`resample`], [`predict`], [`reweight`], [`aggregate`]. Resampling only draws ancestors; [`predict`] gathers and moves them in one pass, since a large population is bound by
+//! A step of a bootstrap filter is [`resample()`], [`predict`], [`reweight`], [`aggregate`]. Resampling only draws ancestors; [`predict`] gathers and moves them in one pass, since a large population is bound by
 //! memory and not by arithmetic, and [`predict_and_reweight`] evaluates each block while it is in the cache. Blocks are mapped in parallel, each with its own random stream; sums are taken in index order, so the thread count does not change a bit.
 //!
 //! Where the exponent of the likelihood depends on its values, [`reweight`] is [`evaluate`] and [`temper`]; where the states move by a rule that is no transition, [`predict`] is [`move_by`]; where they are chosen by
@@ -195,7 +195,7 @@ pub fn resample(particles: &Particles, scheme: Scheme, stage: Stage) -> Ancestor
     scheme.ancestors(&particles.weights, particles.count, &mut stage.whole())
 }
 
-/// [`resample`] in memory of the particles, which get it back by the next [`predict`].
+/// [`resample()`] in memory of the particles, which get it back by the next [`predict`].
 #[must_use]
 pub fn resample_in_room(particles: &mut Particles, scheme: Scheme, stage: Stage) -> Ancestors {
     let Particles { weights, count, room, .. } = particles;

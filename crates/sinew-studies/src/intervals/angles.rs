@@ -1,7 +1,7 @@
 //! Angles of joints and their rates in `angles.csv` of demos, against the truth.
 //!
 //! True angles come from the axes of the true links by the geometric definition of Grood & Suntay (1983): about the right axis of the proximal link, about the floating axis, about the long axis of the distal link. The
-//! program reads the same angles off the entries of a product of rotations; what both share is the pose of the body in the true state ([`sinew_results::pose`]). True rates are differences of true
+//! program reads the same angles off the entries of a product of rotations; what both share is the pose of the body in the true state ([`sinew_setup::posed_body::pose`]). True rates are differences of true
 //! angles over the window that docs/reference/angles.md states, and once more over the two frames about each frame, which is what a rate is usually taken for.
 
 use super::protocol::{DERIVED, FIRST_ANGLES, NOMINAL};

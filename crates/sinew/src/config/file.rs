@@ -30,7 +30,7 @@ pub struct ConfigFile {
 /// Reads a file.
 ///
 /// # Errors
-/// [`Error::Io`], and [`Error::Config`] with everything that is wrong in it.
+/// A file that cannot be read or written, and [`sinew_input::Error::Config`] with everything that is wrong in it.
 pub fn read(path: &Path) -> Result<ConfigFile, Error> {
     let text = files::read_text(path, MAX_CONFIG_BYTES).map_err(|error| match error {
         InputError::Format(error) => {

@@ -52,7 +52,7 @@ const OTHER_VARIABLES: [&str; 3] = ["SINEW_DATA", "SINEW_REQUIRE_DATA", "SINEW_P
 /// Finds every setting.
 ///
 /// # Errors
-/// [`Error::Config`] with all problems of a source, [`Error::Io`] for a file that cannot be read.
+/// [`sinew_input::Error::Config`] with all problems of a source, and a file that cannot be read.
 pub fn resolve(sources: &Sources) -> Result<Resolved, Error> {
     let here = Path::new("");
     let mut resolved = Resolved::default();

@@ -10,7 +10,7 @@ use std::sync::Arc;
 /// The output folder, for this process alone.
 ///
 /// # Errors
-/// [`Error::Library`] where it is in use, holds results or cannot be made.
+/// The folder is in use, holds results or cannot be made.
 pub fn claimed(config: &TrackConfig, inputs: &[PathBuf], listener: &dyn Listener) -> Result<Claim, Error> {
     claimed_in(Arc::new(Disk), config, inputs, listener)
 }

@@ -13,7 +13,7 @@ pub type Given = Vec<(&'static str, String)>;
 /// Settings from all their sources: given by name, then `SINEW_…` of the environment, then files.
 ///
 /// # Errors
-/// [`Error::Library`] with every mistake in them.
+/// Every mistake in them.
 pub fn settings(given: &[(&'static str, String)], file: Option<&Path>) -> Result<Resolved, Error> {
     let environment =
         std::env::vars_os().filter_map(|(name, value)| Some((name.into_string().ok()?, value.into_string().ok()?)));

@@ -122,7 +122,7 @@ impl Checkpoint {
 /// Reads the checkpoint of a folder.
 ///
 /// # Errors
-/// [`sinew_results::Error::Checkpoint`] and [`Error::Io`].
+/// [`sinew_results::Error::Checkpoint`] and A file that cannot be read or written.
 pub fn read(folder: &Path) -> Result<Checkpoint, Error> {
     let path = folder.join(NAME);
     if !path.exists() {
@@ -139,7 +139,7 @@ pub fn read(folder: &Path) -> Result<Checkpoint, Error> {
 /// Writes the checkpoint of a claimed folder, in place of the one before.
 ///
 /// # Errors
-/// [`Error::Io`] with the path; the one before is then still there.
+/// A file that cannot be read or written with the path; the one before is then still there.
 pub(crate) fn write(claim: &Claim, checkpoint: &Checkpoint) -> Result<(), Error> {
     // The names of the files that it speaks of before its own.
     claim.storage().sync(claim.folder()).map_err(Error::io("write", claim.folder()))?;

@@ -63,7 +63,7 @@ impl Spool {
     /// A spool in a claimed folder: an empty one, or what a stopped run had `written`.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`sinew_results::Error::Checkpoint`] for a file that is not as it was left.
+    /// A file that cannot be read or written; [`sinew_results::Error::Checkpoint`] for a file that is not as it was left.
     pub fn open(claim: &Claim, sizes: [usize; 4], written: Option<(u64, Position)>) -> Result<Self, Error> {
         // It is read at places, and larger than what is kept in memory.
         let unsynced = || Arc::new(UnsyncedDisk) as Arc<dyn Storage>;
@@ -74,7 +74,7 @@ impl Spool {
     /// An empty spool in a folder of its own, which is gone when the spool is dropped.
     ///
     /// # Errors
-    /// [`Error::Io`].
+    /// A file that cannot be read or written.
     pub fn temporary(folder: &Path, sizes: [usize; 4]) -> Result<Self, Error> {
         fs::create_dir_all(folder).map_err(Error::io("create", folder))?;
         let storage: Arc<dyn Storage> = Arc::new(Disk);
@@ -105,7 +105,7 @@ impl Spool {
     /// Adds a frame.
     ///
     /// # Errors
-    /// [`Error::Io`].
+    /// A file that cannot be read or written.
     pub fn append(&mut self, estimate: &FrameEstimate) -> Result<(), Error> {
         let record = self.shape.row(estimate);
         self.moments.write(|out| record.iter().try_for_each(|number| out.write_all(&number.to_le_bytes())))?;
@@ -116,7 +116,7 @@ impl Spool {
     /// Hands everything to the disk, and says how far it goes.
     ///
     /// # Errors
-    /// [`Error::Io`].
+    /// A file that cannot be read or written.
     pub fn keep(&mut self) -> Result<Position, Error> {
         Ok(self.moments.keep()?.1)
     }
@@ -190,7 +190,7 @@ impl Drop for Scratch {
 /// Smooths the frames of a spool and gives them in order to `record`. The spool stays as it is. `stopped` is asked before each frame of the backward pass.
 ///
 /// # Errors
-/// [`Error::Io`], a covariance that cannot be factored, and errors of `record` and `stopped`.
+/// A file that cannot be read or written, a covariance that cannot be factored, and errors of `record` and `stopped`.
 pub fn smooth(
     spool: &mut Spool,
     pipeline: &Pipeline,
