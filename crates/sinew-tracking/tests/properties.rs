@@ -55,7 +55,9 @@ fn steps(tracker: &mut impl Tracker<Sight>, dim: usize, seed: u64) -> Result<Ste
         let is_filter = last.log_evidence.is_some() || !last.exponents.is_empty();
         prop_assert!(!is_filter || mean.iter().zip(&last.mean).all(|(a, b)| (a - b).abs() < 1e-12));
         prop_assert_eq!(&last.mean[..], tracker.estimate());
-        prop_assert!(last.ess >= 0.0 && last.ess <= posterior.count() as f64 * (1.0 + 1e-9));
+        // Of chains whose draws alternate, n draws are worth n log₁₀ n at most.
+        let count = posterior.count() as f64;
+        prop_assert!(last.ess >= 0.0 && last.ess <= count * count.log10().max(1.0) * (1.0 + 1e-9));
         let thinned = posterior.equal_weight(5, &mut Stage::new(seed, "thin").whole());
         prop_assert!(thinned.len() == 5 && thinned.iter().all(|&i| i < posterior.count()));
         let moments = posterior.moments(Isa::best());
