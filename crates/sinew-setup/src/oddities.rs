@@ -5,8 +5,8 @@
 //! - A camera has *swapped* sides in frames where the keypoints of the left lie nearer to the projected points of the right and the other way: exchanging them
 //!   lowers the median distance to less than half, and by more than three times the camera's noise, in three frames at least. Up to two frames of another opinion
 //!   do not end a span.
-//! - A person *jumps* in a camera that shows one person, he alone so far, and suddenly shows one who is not where he is expected, with left and right exchanged
-//!   neither: the detector has turned to someone else. The robust association leaves the camera out until he is back.
+//! - A person *jumps* in a camera that has shown this one person alone so far and suddenly shows one who is not where they are expected, not even with left and
+//!   right exchanged: the detector has turned to someone else. The robust association leaves the camera out until the person is back.
 //!
 //! Memory does not grow with the frames: a span is kept as its ends and sums, and only the first few of each camera are listed.
 
@@ -53,7 +53,7 @@ pub struct Watched {
 pub struct OddPerson {
     /// How far away somebody stands who was alone so far and has jumped.
     jump_px: Option<f64>,
-    /// Distances as labelled and exchanged of someone who was not taken for the person because of his labels.
+    /// Distances from the expected keypoints, pixels, with labels as they are and with left and right exchanged, of someone who was not taken for the person because of the labels.
     swapped_px: Option<(f64, f64)>,
 }
 

@@ -78,7 +78,7 @@ pub struct Origins {
     pub setup_is_given: bool,
     /// Whether the body, with its sizes, is that of a file.
     pub body_is_file: bool,
-    /// Number of the person by which the run chose him among several.
+    /// Number of the tracked person, where the run chose one of several by number (`--person`).
     pub person: Option<usize>,
     /// Whether gross errors have a share of their own in the noise, the setting `outlier`.
     pub has_outlier_share: bool,

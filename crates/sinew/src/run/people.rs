@@ -1,6 +1,6 @@
 //! `sinew track` of everybody: who is there, then a run a person, each into a folder of its own.
 //!
-//! A person is tracked as though he were alone, with the same seed: results of one depend on others only where it is decided who is who.
+//! A person is tracked as though they were alone, with the same seed: results of one depend on others only where it is decided who is who.
 //! People are tracked beside each other where there are threads for it.
 
 use super::former_results::{forget_one, forget_people};
@@ -24,7 +24,7 @@ use sinew_results::{Claim, Summary, claim_in, claim_to_resume};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// Folder of the tracked person whom two cameras saw in most frames: his set-up knows most of the cameras.
+/// Folder of the tracked person whom two cameras saw in most frames: their set-up knows most of the cameras.
 fn most_seen(out: &Path, roll: &Roll) -> PathBuf {
     let is_tracked = |person: &usize| out.join(person_folder(*person)).join("setup.toml").is_file();
     let most = (0..roll.people.len())

@@ -16,7 +16,7 @@ use std::time::Duration;
 pub enum LivePlace {
     /// Standard input; answers go to standard output.
     Standard,
-    /// The first who connects to that address; answers go back to him.
+    /// The first client that connects to that address; answers go back to it.
     Tcp(SocketAddr),
 }
 
