@@ -103,7 +103,7 @@ fn everybody(
     Ok(refused)
 }
 
-/// What is odd, each text once with the people of whom it is said; what is odd about the recording itself is said of nobody.
+/// Warnings of the runs of all people: each text once, with the numbers of the people that it concerns; none for a warning about the recording itself.
 #[derive(Default)]
 struct WarningsOfAll(Vec<(String, Vec<usize>)>);
 
@@ -134,7 +134,7 @@ impl WarningsOfAll {
     }
 }
 
-/// Whether a person cannot be tracked, and others may be.
+/// Whether the error concerns this person alone, so that others may still be tracked.
 const fn is_refusal(error: &Error) -> bool {
     error.file().is_none() && matches!(error, Error::Results(sinew_results::Error::Setup(_)) | Error::Tracking(_))
 }
@@ -182,7 +182,7 @@ struct Tracked {
     complete: bool,
     failed_diagnostics: Vec<String>,
     warnings: Vec<String>,
-    /// What of them is odd about the recording itself.
+    /// Those of the warnings that are about the recording itself.
     about_recording: Vec<String>,
 }
 

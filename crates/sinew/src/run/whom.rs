@@ -17,7 +17,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-/// Frames in which it is looked whether somebody else is in view.
+/// Number of frames that are searched for a second person in view.
 const LOOKED_AT: usize = 60;
 
 /// Whom a run tracks.

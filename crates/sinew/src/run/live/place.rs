@@ -28,7 +28,7 @@ pub struct Streams {
     pub answers: Box<dyn Write + Send>,
 }
 
-/// How often it is looked whether somebody has connected.
+/// Time between two checks for a connection.
 const LOOK: Duration = Duration::from_millis(20);
 
 impl FromStr for LivePlace {
@@ -47,7 +47,7 @@ impl FromStr for LivePlace {
     }
 }
 
-/// Waits for the first who connects to an address.
+/// Waits for the first client that connects to an address.
 ///
 /// # Errors
 /// [`LiveError::Listen`]; an interrupt.
