@@ -18,7 +18,7 @@ use sinew::tracking::Tracker;
 use sinew::tracking::annealed::{Annealed, Config};
 use sinew::tracking::bootstrap::{self, Bootstrap};
 
-/// A6: the covariance of 10⁵ draws of the noise after v weightings is α^v P, within 2 % (4.5 standard deviations of a variance); with deviations scaled, α^(2v) P.
+/// Noise of layers (A6): the covariance of 10⁵ draws of the noise after v weightings is α^v P, within 2 % (4.5 standard deviations of a variance); with deviations scaled, α^(2v) P.
 ///
 /// # Panics
 /// Never: the settings are valid.
@@ -63,7 +63,7 @@ impl LogDensity for Slope {
     }
 }
 
-/// A11: mean and square of each coordinate over crossed children equal the weighted set's; the product of two coordinates is not, or nothing was crossed. 10⁵ children, 8 scores at |z| < 4.5.
+/// Crossover keeps the marginals (A11): mean and square of each coordinate over crossed children equal the weighted set's; the product of two coordinates is not, or nothing was crossed. 10⁵ children, 8 scores at |z| < 4.5.
 ///
 /// # Panics
 /// Never: no weight is zero.
@@ -106,7 +106,7 @@ pub fn marginals_under_crossover(seed: u64, size: Size) -> Vec<Finding> {
     findings
 }
 
-/// Second half of E7: an arm that rests for 20 frames, the last exponent left free. What is seen never shows the signs, so a posterior keeps its modes; the annealed filter, 10 layers of 200, must have lost half of
+/// Collapse on eight modes (second half of E7): an arm that rests for 20 frames, the last exponent left free. What is seen never shows the signs, so a posterior keeps its modes; the annealed filter, 10 layers of 200, must have lost half of
 /// the eight on average. A bootstrap filter with as many evaluations a frame must not. In the first frame alone the annealed filter, with 2000 particles, still stands at seven or eight modes, with masses off by 0.05
 /// to 0.14.
 ///

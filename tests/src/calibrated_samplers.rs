@@ -1,4 +1,4 @@
-//! J2: simulation-based calibration of the samplers on parts of CF28 seen by one camera. A search must fail it.
+//! Simulation-based calibration (J2) of the samplers on parts of CF28 seen by one camera. A search must fail it.
 
 use crate::simulators::{PRIOR_SD, PartOfBody};
 use crate::size::Size;

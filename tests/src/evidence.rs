@@ -1,4 +1,4 @@
-//! The bootstrap filter against exact evidence and means (E2, E3, `evidence-unbiased`).
+//! The bootstrap filter against exact evidence and means (evidence E2, order of the error E3, `evidence-unbiased`).
 //!
 //! Unbiasedness under every scheme and threshold, the stored table, and the order of its error.
 
@@ -85,7 +85,7 @@ pub fn stored_table(series: &Series, runs: usize, seed: u64) -> Vec<Finding> {
     findings
 }
 
-/// E3: the error of the mean falls as N^(−1/2) over N = 250 · 4^k, k = 0 … `most`; the slope is that of the logarithms of root mean squares over `runs` runs.
+/// Order of the error (E3): the error of the mean falls as N^(−1/2) over N = 250 · 4^k, k = 0 … `most`; the slope is that of the logarithms of root mean squares over `runs` runs.
 #[must_use]
 pub fn error_slope(series: &Series, most: u32, runs: usize, seed: u64) -> Finding {
     let points: Vec<[f64; 2]> = (0..=most)

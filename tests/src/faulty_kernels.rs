@@ -1,4 +1,4 @@
-//! H7 and H10: kernels with faults that tests of invariance must see.
+//! Kernels with faults that tests of invariance must see: steps from the state's own curvature (H7), and rejected states that are dropped (H10).
 
 use crate::finding::{Finding, mean_and_error};
 use crate::kernels::{self, eight, from_block, to_block};
@@ -66,7 +66,7 @@ impl ExactTarget for Skewed {
     }
 }
 
-/// What the fault of H7 multiplies the steps with: the root of the inverse curvature of [`HeavyTails`] at the chain's own state.
+/// What the fault of the step sizes (H7) multiplies the steps with: the root of the inverse curvature of [`HeavyTails`] at the chain's own state.
 fn faulty_factor(x: f64) -> f64 {
     (1.0 + x * x / 4.0).sqrt()
 }
@@ -93,7 +93,7 @@ fn by_curvature_of_state(hmc: &Hmc) -> impl FnMut(&[f64], &mut BlockRng) -> Vec<
     }
 }
 
-/// H7: on heavy tails the project's update keeps the target; the same update with steps from the curvature at the chain's state does not. Both reports, the right one first.
+/// Fault of the step sizes (H7): on heavy tails the project's update keeps the target; the same update with steps from the curvature at the chain's state does not. Both reports, the right one first.
 #[must_use]
 pub fn curvature_of_state(seed: u64, size: Size) -> [Report; 2] {
     let config = ExactStart { starts: size.pick(6000, 25_000), seed, ..ExactStart::default() };
@@ -110,7 +110,7 @@ pub fn curvature_of_state(seed: u64, size: Size) -> [Report; 2] {
     [right, wrong]
 }
 
-/// H10: the mean of [`Skewed`] over all states, and over those only that a trajectory brought; and the part that was rejected. A kernel whose rejected states are dropped shows in the second.
+/// Fault of dropped rejections (H10): the mean of [`Skewed`] over all states, and over those only that a trajectory brought; and the part that was rejected. A kernel whose rejected states are dropped shows in the second.
 #[must_use]
 pub fn rejections(blocks: usize, updates: usize, seed: u64) -> [Finding; 3] {
     let hmc = Hmc::new(2.1, &[0.5], 1, 0.0, Isa::best()).expect("valid");
@@ -151,7 +151,7 @@ pub fn rejections(blocks: usize, updates: usize, seed: u64) -> [Finding; 3] {
     ]
 }
 
-/// H7 by reversal: where a trajectory of the kernel with the fault comes out when it starts from its end with the momentum turned; the distance from its start, for both kernels.
+/// Fault of the step sizes (H7) by reversal: where a trajectory of the kernel with the fault comes out when it starts from its end with the momentum turned; the distance from its start, for both kernels.
 #[must_use]
 pub fn reversal() -> [f64; 2] {
     let hmc = Hmc::new(0.8, &[1.0], 3, 0.0, Isa::best()).expect("valid");

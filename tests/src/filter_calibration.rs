@@ -1,4 +1,4 @@
-//! J3: errors e of a filter's mean about the true state, eᵀ P⁻¹ e, on simulated linear-Gaussian series. With the exact covariance P their mean is the dimension of the state, and a little more for what the filter's
+//! Calibration of filters (J3): errors e of a filter's mean about the true state, eᵀ P⁻¹ e, on simulated linear-Gaussian series. With the exact covariance P their mean is the dimension of the state, and a little more for what the filter's
 //! own draws add. With the filter's own P it is larger by a few per cent, since a covariance of few draws has too large an inverse: that number is shown, not judged.
 
 use crate::finding::{Finding, mean_and_error};

@@ -249,7 +249,7 @@ pub fn by_chains(growth: &Growth, between: Between, chains: usize, stage: &Stage
     follow(growth, &mut filter, &clock, stage)
 }
 
-/// E6: the bootstrap filter with `particles`, and the HMC filter with the mixture prior and `chains` chains. Bounds are those for 5000 draws, the sign's growing as the root of the number that are missing.
+/// Two modes of the growth model (E6): the bootstrap filter with `particles`, and the HMC filter with the mixture prior and `chains` chains. Bounds are those for 5000 draws, the sign's growing as the root of the number that are missing.
 #[must_use]
 pub fn two_modes(growth: &Growth, particles: usize, chains: usize, runs: usize, seed: u64) -> Vec<Finding> {
     let root = Stage::new(seed, "growth model");

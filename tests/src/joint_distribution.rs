@@ -1,4 +1,4 @@
-//! J1: Geweke's joint-distribution test of Hamiltonian Monte Carlo, with steps from the prior alone.
+//! Geweke's joint-distribution test (J1) of Hamiltonian Monte Carlo, with steps from the prior alone.
 
 use crate::planted_hmc::{Bug, Steps, update as planted};
 use crate::simulators::{Linear3, PRIOR_SD, PartOfBody};

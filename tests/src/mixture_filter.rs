@@ -148,7 +148,7 @@ pub fn ideal(series: &Series, chains: usize, stage: &Stage) -> FilterErrors {
     tally.end()
 }
 
-/// E4: errors of the filter's means at most 1.3 × the errors of ideal draws as stored, and of its variances at most 1.3 × the errors of ideal draws made here with the same number of chains and runs.
+/// Against ideal draws (E4): errors of the filter's means at most 1.3 × the errors of ideal draws as stored, and of its variances at most 1.3 × the errors of ideal draws made here with the same number of chains and runs.
 #[must_use]
 pub fn against_ideal(series: &Series, name: &str, chains: usize, stored: f64, runs: usize, seed: u64) -> Vec<Finding> {
     let root = Stage::new(seed, "mixture filter").round(chains);

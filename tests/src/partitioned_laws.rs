@@ -1,4 +1,4 @@
-//! Weighted resampling and the partitioned filter against closed forms: R6, A7, A8, A9, `partitioned-exact`.
+//! Weighted resampling and the partitioned filter against closed forms: unbiased weighted resampling (R6), the filter against Kalman (A7), the same without its weights (A8), survival over parts (A9), `partitioned-exact`.
 //!
 //! For any number of particles Ẑ is an unbiased estimate of the evidence Z, and Ẑ Σ W_i f(s_i) of Z E[f | z] (Del Moral 2004, theorem 7.4.2), whatever the importance functions: scores are of means of
 //! Ẑ / Z and Ẑ / Z Σ W_i f(s_i) over independent runs. The mean of a run alone is biased by the order of 1 / N, as that of every particle filter.
@@ -238,7 +238,7 @@ pub fn agreement(coupled: bool, importance: Importance, frames: usize, size: Siz
     scores(&format!("partitioned filter, parts {motion}, {importance:?}, {frames} frames"), &series, &runs, bound, seed)
 }
 
-/// A8: one frame from the verbs themselves, with weighted resampling and with the weights π / ρ left out. The largest |z| of the 13 scores, with and without.
+/// Negative control (A8): one frame from the verbs themselves, with weighted resampling and with the weights π / ρ left out. The largest |z| of the 13 scores, with and without.
 ///
 /// # Panics
 /// When all weights are zero, which would be a defect.
@@ -275,7 +275,7 @@ pub fn without_correction(importance: Importance, size: Size, seed: u64) -> [f64
     })
 }
 
-/// R6: sums of π / ρ f over what weighted resampling leaves, for f = 1, x, x², an importance within a factor of 20 and every scheme. 12 scores at |z| < 4.5.
+/// Weighted resampling is unbiased (R6): sums of π / ρ f over what weighted resampling leaves, for f = 1, x, x², an importance within a factor of 20 and every scheme. 12 scores at |z| < 4.5.
 ///
 /// # Panics
 /// Never: no weight is zero.
@@ -320,7 +320,7 @@ pub fn represents_the_same(seed: u64, size: Size) -> Vec<Finding> {
     findings
 }
 
-/// A9: particles needed for D = 50, as their number of parts grows, for parts of survival rate α: all at once they grow as α^(−d), part by part not at all. Slopes of log N over d, in units of −log α.
+/// Growth with the number of parts (A9): particles needed for D = 50, as their number of parts grows, for parts of survival rate α: all at once they grow as α^(−d), part by part not at all. Slopes of log N over d, in units of −log α.
 ///
 /// # Panics
 /// When all weights are zero, which would be a defect.

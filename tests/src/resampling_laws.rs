@@ -1,4 +1,4 @@
-//! Resampling schemes against their laws (R1, R2, R4, `resample-unbiased`).
+//! Resampling schemes against their laws (mean counts R1, bounds of counts R2, edge cases R4, `resample-unbiased`).
 //!
 //! For weights with zeros, denormals and one that is nearly all.
 

@@ -1,4 +1,4 @@
-//! Whether the samplers keep their targets, and reach them (H4–H6).
+//! Whether the samplers keep their targets, and reach them (acceptance H4, energy H5, invariance H6).
 //!
 //! The checks `exact-start`, `step-size sweep`, `divergent stays` and `long-run`.
 //!

@@ -19,7 +19,7 @@ use sinew::samplers::tempered_smc::{Config, temper};
 use sinew::tracking::Tracker;
 use sinew::tracking::bootstrap::{self, Bootstrap};
 
-/// E7: evidence within 0.2, the mass of each mode within 0.06 at N = 2000, in each of `runs` runs.
+/// Tempered sequential Monte Carlo on eight modes (E7): evidence within 0.2, the mass of each mode within 0.06 at N = 2000, in each of `runs` runs.
 #[must_use]
 pub fn tempered_depth_flip(arm: &Arm, particles: usize, runs: usize, seed: u64) -> Vec<Finding> {
     let prior = arm.prior();
@@ -90,7 +90,7 @@ impl LogDensity for Inside {
     }
 }
 
-/// E8: with a prior uniform on a box and a posterior uniform on a smaller one, the variance of the particle mean is (ratio of volumes) / N · variance of the posterior.
+/// Volume law of boxes (E8): with a prior uniform on a box and a posterior uniform on a smaller one, the variance of the particle mean is (ratio of volumes) / N · variance of the posterior.
 #[must_use]
 pub fn volume_law(particles: usize, runs: usize, seed: u64) -> Vec<Finding> {
     let (prior, posterior) = (vec![1.0, 2.0], vec![0.5, 0.4]);
@@ -135,7 +135,7 @@ impl Transition for Standard {
     }
 }
 
-/// E9: prior N(0, I), posterior standard deviations s about the same centre: N / N_eff = Π 1 / (s_j √(2 − s_j²)), to 5 %.
+/// Volume law of Gaussians (E9): prior N(0, I), posterior standard deviations s about the same centre: N / N_eff = Π 1 / (s_j √(2 − s_j²)), to 5 %.
 #[must_use]
 pub fn gaussian_volume_law(particles: usize, seed: u64) -> Vec<Finding> {
     [vec![0.3], vec![0.3, 0.8], vec![0.4, 0.5, 0.6, 0.9]]

@@ -155,9 +155,9 @@ fn windows(frames: &Range<u64>, count: u64, width: u64) -> Vec<Range<u64>> {
     (0..count).map(|k| start(k)..start(k) + width).collect()
 }
 
-/// People in windows of the recording: for each, frames with what the cameras show of him.
+/// People in windows of the recording: for each, frames with what the cameras show of them.
 ///
-/// Where views show one person each, he is followed; where they show several, everybody is named, so that nobody is taken for somebody else.
+/// Where views show one person each, that person is followed; where they show several, everybody is named, so that nobody is taken for somebody else.
 fn followed<E: From<Error>>(
     recording: &mut Recording,
     fps: f64,

@@ -30,7 +30,7 @@ pub(super) struct AngleOverTime {
     pub(super) range_deg: Vec<f64>,
 }
 
-/// Writes the table of a result folder of one person, of a body that is known or that its set-up has; none where there are no draws, or where a standing trial is the zero. Nothing waits for the disk.
+/// Writes the table of a result folder of one person; `body` is the body of the run, read from its `setup.toml` if `None`. Writes no file where there are no draws, or where a standing trial gives the zero of the angles. Does not wait for the disk.
 ///
 /// # Errors
 /// Files of the folder that cannot be read, and of the disk.

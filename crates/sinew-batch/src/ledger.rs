@@ -1,6 +1,6 @@
-//! What became of the tasks of a study: one line each, behind results that are on the disk.
+//! How the tasks of a study ended: one line of JSON each, written after the results of the task are on the disk.
 //!
-//! Each shard writes a file of its own; a line that a kill cut short is none.
+//! Each shard writes a file of its own; a last line that is incomplete, because the process was killed, is dropped.
 
 use crate::Error;
 use serde::{Deserialize, Serialize};
@@ -25,11 +25,11 @@ const MAX_BYTES: u64 = 1 << 30;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TaskEnd {
-    /// Results are there, and nothing doubts them.
+    /// Results were written, and all diagnostics passed.
     Done,
-    /// Results are there, and a diagnostic failed.
+    /// Results were written, and at least one diagnostic failed.
     Doubtful,
-    /// There are no results.
+    /// No results were written.
     Failed,
 }
 
@@ -38,9 +38,9 @@ pub enum TaskEnd {
 pub struct Packed {
     /// Name of the archive in the study.
     pub archive: String,
-    /// First byte.
+    /// Offset of the first byte of the results.
     pub offset: u64,
-    /// Bytes.
+    /// Number of bytes.
     pub length: u64,
 }
 
@@ -79,7 +79,7 @@ pub struct Ledger {
 }
 
 impl Ledger {
-    /// Opens the ledger of a shard behind its last whole line.
+    /// Opens the ledger of a shard to append to it; an incomplete last line is removed.
     ///
     /// # Errors
     /// [`Error::ShardInUse`]; errors of the disk.
@@ -113,7 +113,7 @@ impl Ledger {
     }
 }
 
-/// The last word on every trial of a study: of several lines that of the last run, and of one run the last.
+/// The latest line of each trial of a study, by the name of the trial: the one with the highest [`EndedTask::run`], and within that run the last one read.
 ///
 /// # Errors
 /// A ledger that cannot be read.

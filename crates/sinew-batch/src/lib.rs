@@ -9,7 +9,7 @@
 //!     summary.csv  groups.csv  report.html     what `gather` makes of all that
 //! ```
 //!
-//! A task is done when the latest line about it has its hash and says that results are there. So a shard that is run again does what is missing, and a plan that is made again what has changed.
+//! A task is done when its latest line has the same hash of inputs and settings as the plan, and says that there are results. So a shard that is run again runs only what is missing, and after the plan is made again only what has changed.
 
 mod angle_draws;
 mod error;

@@ -1,8 +1,8 @@
 //! One set-up for all trials of a subject in a session, with cameras that its subjects share.
 //!
-//! Sizes, cameras, biases of the detector and noise are the same in all trials of a subject. The set-up is made from their frames, one trial after the other, by the first who needs it. In a session with several subjects it is made twice: once for what their frames say of the cameras, then with
+//! Sizes, cameras, biases of the detector and noise are the same in all trials of a subject. The set-up is made from their frames, one trial after the other, by the first trial that needs it. In a session with several subjects it is made twice: once for what their frames say of the cameras, then with
 //! draws of the cameras from what all say.
-//! Within a process others wait for him; shards do not wait for each other, since whoever makes it makes the same bytes.
+//! Within a process the other trials wait for that one; shards do not wait for each other, since whoever makes it makes the same bytes.
 
 use super::plan::Task;
 use super::shard::Shard;

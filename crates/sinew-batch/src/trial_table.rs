@@ -8,11 +8,11 @@ use std::fmt::Write as _;
 /// State of a trial in a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TrialState {
-    /// Results are there, and nothing doubts them.
+    /// Results were written, and all diagnostics passed.
     Done,
-    /// Results are there, and a diagnostic failed.
+    /// Results were written, and at least one diagnostic failed.
     Doubtful,
-    /// There are no results, and why is known.
+    /// The trial was run and wrote no results; the reason is known.
     Failed,
     /// It was not run yet, or not since inputs or settings changed.
     Missing,

@@ -79,7 +79,7 @@ fn search(root: &Path, below: &Path, above: &mut Vec<PathBuf>, found: &mut Vec<F
     Ok(())
 }
 
-/// Whether a link leads to a folder outside the root, which is the first of those above, that is not on the way to it: what lies inside would be found twice.
+/// Whether a link leads to a folder outside the root (the first of `above`) that is neither `own` nor one of the folders above it. Only such links are followed: links into the root would give trials twice, links to folders above would not end.
 fn leads_elsewhere(link: &Path, own: &Path, above: &[PathBuf]) -> bool {
     let is_new = |target: &Path| target != own && above.iter().all(|folder| folder != target);
     let root = above.first().map_or(own, PathBuf::as_path);

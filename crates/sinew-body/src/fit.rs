@@ -435,7 +435,7 @@ mod tests {
         }
     }
 
-    /// K15, from every heading.
+    /// Fitting a body to its own points recovers them (K15), from every heading.
     #[test]
     fn a_body_is_fitted_to_its_own_points_from_any_heading() {
         for tree in [cf28(&Proportions::default()), h32(&Proportions::default())] {

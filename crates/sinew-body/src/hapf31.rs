@@ -202,7 +202,7 @@ mod tests {
         assert!(crate::hppf24::flesh_on(&tree).is_err());
     }
 
-    /// A14: the spaces of the last layer hold every angle once, and each space what those below it hold; they are the links that they are named for.
+    /// Leaves of the hierarchy (A14): the spaces of the last layer hold every angle once, and each space what those below it hold; they are the links that they are named for.
     #[test]
     fn leaves_cover_every_coordinate_once() {
         let sorted = |mut coordinates: Vec<usize>| {

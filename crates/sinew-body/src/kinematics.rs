@@ -48,7 +48,7 @@ mod tests {
         a.iter().zip(b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
     }
 
-    /// K1
+    /// Positions at the zero pose (K1).
     #[test]
     fn at_the_zero_pose_points_lie_at_the_cumulative_offsets() {
         for tree in [cf28(&Proportions::default()), h32(&Proportions::default())] {
@@ -66,7 +66,7 @@ mod tests {
         }
     }
 
-    /// K2
+    /// Rigid invariance (K2).
     #[test]
     fn turning_and_shifting_the_root_moves_every_point_rigidly() {
         let tree = h32(&Proportions::default());
@@ -86,7 +86,7 @@ mod tests {
         }
     }
 
-    /// K3
+    /// Order of the rotations of a link (K3).
     #[test]
     fn rotations_act_left_to_right_as_listed() {
         let half_turn = std::f64::consts::FRAC_PI_2;

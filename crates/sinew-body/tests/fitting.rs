@@ -45,13 +45,13 @@ fn check(tree: &KinematicTree, q: &[f64]) -> Result<(), TestCaseError> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// K15 for both bodies.
+    /// Fitting a body to its own points recovers them (K15).
     #[test]
     fn fitting_recovers_the_points_of_cf28(q in pose(&cf28(&Proportions::default()))) {
         check(&cf28(&Proportions::default()), &q)?;
     }
 
-    /// K15 for both bodies.
+    /// Fitting a body to its own points recovers them (K15).
     #[test]
     fn fitting_recovers_the_points_of_h32(q in pose(&h32(&Proportions::default()))) {
         check(&h32(&Proportions::default()), &q)?;

@@ -159,7 +159,7 @@ impl Kernel<Block> for Sweep<'_> {
 }
 
 proptest! {
-    /// K1 to K3: points lie where the definition of the tree puts them, computed with whole matrices; on random trees and on the built-in bodies.
+    /// Forward kinematics (K1 to K3): points lie where the definition of the tree puts them, computed with whole matrices; on random trees and on the built-in bodies.
     #[test]
     fn points_lie_where_the_tree_is_defined_to_put_them(
         (tree, q) in tree_and_pose(),
@@ -175,7 +175,7 @@ proptest! {
         }
     }
 
-    /// K4: the backward sweep returns `Jᵀ g`, on every instruction set.
+    /// Gradients (K4): the backward sweep returns `Jᵀ g`, on every instruction set.
     #[test]
     fn backward_sweep_is_the_transposed_jacobian((tree, q) in tree_and_pose()) {
         let plan = Plan::with_all_points(&tree);
@@ -197,7 +197,7 @@ proptest! {
         }
     }
 
-    /// K4: the Jacobian is that of central differences.
+    /// Gradients (K4): the Jacobian is that of central differences.
     #[test]
     fn jacobian_agrees_with_central_differences((tree, q) in tree_and_pose()) {
         let plan = Plan::with_all_points(&tree);
@@ -269,7 +269,7 @@ proptest! {
         }
     }
 
-    /// K5: the Gauss–Newton matrix is `Σ Jᵀ M J` of the points' Jacobians, and so is its diagonal alone.
+    /// Curvature (K5): the Gauss–Newton matrix is `Σ Jᵀ M J` of the points' Jacobians, and so is its diagonal alone.
     #[test]
     fn gauss_newton_matrix_is_that_of_the_jacobian((tree, q) in tree_and_pose()) {
         let plan = Plan::with_all_points(&tree);

@@ -39,7 +39,7 @@ pub(crate) fn run(args: &ReportArgs, general: &General, report: &Report) -> Resu
     Ok(Ended::Done)
 }
 
-/// A page of each of several people, in the folder of his results.
+/// A page of each of several people, in the folder of their results.
 fn one_each(args: &ReportArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     if general.out.is_some() {
         // One file cannot hold the pages of all.

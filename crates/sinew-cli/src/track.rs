@@ -92,7 +92,7 @@ fn complete(summary: &serde_json::Value, out: &Path, args: &TrackArgs, report: &
     Ok(doubts(&failed.filter_map(|text| text.as_str()).collect::<Vec<_>>(), report))
 }
 
-/// A row a person: when he was seen, by which cameras, and what became of his run.
+/// A row a person: when they were seen, by which cameras, and what became of their run.
 fn people_table(summary: &PeopleSummary, out: &Path) -> String {
     let heads = ["person", "frames", "seconds", "seen by two", "cameras", "tracked", "results"].map(str::to_owned);
     let row = |person: &PersonTracked| {

@@ -168,7 +168,7 @@ mod tests {
         nodes
     }
 
-    /// A14: whatever the layers of the leaves, every coordinate has one that holds it, or the tree is refused.
+    /// Leaves of a hierarchy (A14): whatever the layers of the leaves, every coordinate has one that holds it, or the tree is refused.
     #[test]
     fn leaves_cover_every_coordinate_once() {
         let tree: [(Option<usize>, &[usize]); 5] =

@@ -315,7 +315,7 @@ mod tests {
         (values.iter().map(|x| x * x).sum::<f64>() / values.len() as f64).sqrt()
     }
 
-    /// A10: a level moves its own parts by B and those above it by 0.2 B, and nothing else; 16 000 draws, 5 standard errors.
+    /// Update of a level (A10): a level moves its own parts by B and those above it by 0.2 B, and nothing else; 16 000 draws, 5 standard errors.
     #[test]
     fn a_level_moves_its_parts_and_tunes_those_above() {
         let mut walk = walk(tree(&[&[0], &[1, 4], &[2], &[3]], &[None, Some(0), Some(0), Some(1)]));

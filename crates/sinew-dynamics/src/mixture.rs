@@ -289,7 +289,7 @@ mod tests {
         }
     }
 
-    /// K7.
+    /// A mixture of equal components against one Gaussian (K7).
     #[test]
     fn equal_components_are_one_gaussian_and_a_far_one_has_no_effect() {
         let isa = Isa::best();

@@ -173,7 +173,7 @@ mod tests {
         rows.chunks_exact(DIM).map(square).sum::<f64>() / (rows.len() / DIM) as f64
     }
 
-    /// M2: what the components do not hold is what reconstruction loses, and one component less would hold too little.
+    /// Variance that principal components keep (M2): what the components do not hold is what reconstruction loses, and one component less would hold too little.
     #[test]
     fn the_stated_share_of_the_variance_is_kept() {
         let rows = rows();
@@ -188,7 +188,7 @@ mod tests {
         assert_eq!((two.len(), two.components.len()), (2, 2 * DIM));
     }
 
-    /// M2.
+    /// Projection after reconstruction gives the same scores (M2).
     #[test]
     fn reconstruction_and_projection_are_idempotent() {
         let rows = rows();

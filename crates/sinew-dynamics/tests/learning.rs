@@ -6,7 +6,7 @@ use sinew_dynamics::primitives::learning::{Config, TrainingMotion, learn, noise_
 use sinew_dynamics::primitives::model::FeatureVector;
 use sinew_dynamics::primitives::summary::prediction_errors;
 
-/// M4: a signal at the pace of a walk (1.05 Hz at 20 frames a second), without noise; three feature vectors an action primitive, twenty clusters. The mean of model (6) misses the next value by less than a tenth of the amplitude, root mean square.
+/// Prediction of a periodic signal (M4): a signal at the pace of a walk (1.05 Hz at 20 frames a second), without noise; three feature vectors an action primitive, twenty clusters. The mean of model (6) misses the next value by less than a tenth of the amplitude, root mean square.
 ///
 /// A signal of 0.7 Hz needs more than 95 % of the variance: the direction in which one coordinate moves is then in a component with 3 % of it, and which way the signal moves is lost.
 #[test]

@@ -22,7 +22,7 @@ fn learned(rows: &[f64], dim: usize, config: &Config, seed: u64) -> LearnedMixtu
     run(rows, dim, start, config, &mut |_| {}).expect("valid")
 }
 
-/// M1: the three means, each within 5 standard errors in each coordinate.
+/// Expectation–maximisation finds separated Gaussians (M1): the three means, each within 5 standard errors in each coordinate.
 #[test]
 fn separated_gaussians_are_recovered() {
     let count = 3000;
@@ -47,7 +47,7 @@ fn separated_gaussians_are_recovered() {
     }
 }
 
-/// M1: the log likelihood never falls by more than 1e-9 of itself, but where a component was seeded again or removed the iteration before. Few points for many components, so that these do happen.
+/// Expectation–maximisation climbs (M1): the log likelihood never falls by more than 1e-9 of itself, but where a component was seeded again or removed the iteration before. Few points for many components, so that these do happen.
 #[test]
 fn the_log_likelihood_never_falls_but_after_a_new_seed() {
     for (ridge, components, count) in [(0.0, 3, 600), (0.0, 12, 600), (1e-6, 12, 600), (1e-6, 40, 300)] {

@@ -31,7 +31,7 @@ pub fn detections(people: &[Vec<OpenposePerson>]) -> Vec<Vec<Pixels>> {
     people.iter().map(|people| people.iter().map(detected).collect()).collect()
 }
 
-/// A person as the keypoint reader gives him, in the form that association takes.
+/// A person as the keypoint reader gives them, in the form that association takes.
 #[must_use]
 pub fn detected(person: &OpenposePerson) -> Pixels {
     let detection = |k: Keypoint| Detection::new([k.x, k.y], k.confidence);

@@ -1,6 +1,6 @@
 //! A source of frames that shows one of several people alone.
 //!
-//! Its frames are all from his coming to his going.
+//! Its frames are all from the first that shows this person to the last.
 
 use super::frame::Frame;
 use super::roll::Roll;

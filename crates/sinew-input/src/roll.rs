@@ -16,11 +16,11 @@ pub const LEAST_S: f64 = 0.25;
 /// Somebody who was seen.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PersonSeen {
-    /// From the first frame in which a camera saw him to the one after the last.
+    /// From the first frame in which a camera saw them to the one after the last.
     pub frames: Range<u64>,
-    /// Frames in which two cameras saw him.
+    /// Frames in which at least two cameras saw them.
     pub seen: u64,
-    /// Frames in which each camera saw him.
+    /// Frames in which each camera saw them.
     pub by_camera: Vec<u64>,
 }
 

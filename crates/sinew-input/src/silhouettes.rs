@@ -33,7 +33,7 @@ use std::path::{Path, PathBuf};
 
 pub use crate::image_folder::ImageFolderOptions;
 
-/// Share of the image above which a mask gets a warning: a person fills less of the view of a camera that sees all of him.
+/// Share of the image above which a mask gets a warning: a person fills less of the view of a camera that sees all of them.
 pub const LARGE_SHARE: f64 = 0.5;
 
 /// Words and files of masks.

@@ -151,7 +151,7 @@ fn outputs_and_recordings_that_are_unfit_are_refused() {
 #[path = "../../../tests/src/data.rs"]
 mod shared_data;
 
-/// AMC files state no rate: at the 30 frames a second that this one has, a person walks, at 120 he would race.
+/// AMC files state no rate: at the 30 frames a second that this one has, a person walks, at 120 they would race.
 #[test]
 fn acclaim_files_have_the_rate_that_is_given() {
     let Some(folder) = shared_data::shared("cmu_amc_35") else { return };

@@ -101,7 +101,7 @@ fn brute_force(model: &ImageModel, silhouettes: &[BitImage], state: &[f64]) -> V
     (0..silhouettes.len()).map(count).collect()
 }
 
-/// K12: counts and values agree with sets of pixels, on every instruction set, also where boxes are cut or not in the image at all.
+/// Pixel counts (K12): counts and values agree with sets of pixels, on every instruction set, also where boxes are cut or not in the image at all.
 #[test]
 fn alignment_is_what_sets_of_pixels_say() {
     let mut places = std::collections::BTreeMap::new();
@@ -141,7 +141,7 @@ fn alignment_is_what_sets_of_pixels_say() {
     assert!(places.len() == 3 && places.values().all(|count| *count > 100), "{places:?}");
 }
 
-/// K14: 0 for the right body, −4 a camera for one that is not in view of any.
+/// Alignment likelihood (K14): 0 for the right body, −4 a camera for one that is not in view of any.
 #[test]
 fn the_right_body_is_aligned_and_none_at_all_is_not() {
     let model = model(Isa::best());

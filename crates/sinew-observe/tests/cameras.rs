@@ -38,7 +38,7 @@ fn point() -> impl Strategy<Value = [f64; 3]> {
 }
 
 proptest! {
-    /// K8 and the gradient of the projection.
+    /// The derivative of the projection against central differences (K8).
     #[test]
     fn projection_jacobian_is_that_of_central_differences(camera in camera(), p in point()) {
         if let Some((pixel, jacobian)) = camera.project_with_jacobian(p) {
@@ -67,7 +67,7 @@ proptest! {
         }
     }
 
-    /// K9: `x2ᵀ E x1 = 0` with `E = [t]× R`, and `F = K2⁻ᵀ E K1⁻¹` in pixels.
+    /// Epipolar constraint of two cameras (K9): `x2ᵀ E x1 = 0` with `E = [t]× R`, and `F = K2⁻ᵀ E K1⁻¹` in pixels.
     #[test]
     fn a_point_is_triangulated_where_it_is_through_any_lens(a in camera(), b in camera(), c in camera(), p in point()) {
         let cameras = [a, b, c];

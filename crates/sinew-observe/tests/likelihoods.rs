@@ -152,7 +152,7 @@ fn markers(isa: Isa) -> impl GaussNewton {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
-    /// K6 for the likelihoods.
+    /// Gradients against central differences (K6), for the likelihoods.
     #[test]
     fn keypoint_gradient_agrees_with_central_differences(q in pose(32)) {
         for noise in NOISES {
@@ -187,7 +187,7 @@ proptest! {
         check_lanes(markers, &q[..28]);
     }
 
-    /// K5: the diagonal is the squared column norm of the numerical Jacobian of the projected markers.
+    /// Curvature (K5): the diagonal is the squared column norm of the numerical Jacobian of the projected markers.
     #[test]
     fn marker_curvature_agrees_with_the_numerical_jacobian(q in pose(28)) {
         let tree = cf28(&Proportions::default());

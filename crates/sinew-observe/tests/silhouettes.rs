@@ -91,7 +91,7 @@ fn hull(camera: &Camera, frame: &[[f64; 3]; 4], solid: &Frustum, per_rim: usize)
     Some(corners)
 }
 
-/// K11: the outline without sorting is the hull: no corner outside of the hull of many points, and no smaller than the hull of 24 a rim.
+/// Area of outlines (K11): the outline without sorting is the hull: no corner outside of the hull of many points, and no smaller than the hull of 24 a rim.
 #[test]
 fn outlines_are_hulls() {
     let (model, tree) = model(ImageScore::Parts, Isa::best());
@@ -418,7 +418,7 @@ fn colours_match_brute_force() {
     );
 }
 
-/// K12, and the mismatch in both directions: pixels by their centres.
+/// Rasterised counts against pixels taken by their centres (K12), also of the mismatch in both directions.
 #[test]
 fn pixels_are_counted_as_brute_force_counts_them() {
     let score = ImageScore::DeutscherReid { kappa: 1.0, bidirectional: Some(0.5) };

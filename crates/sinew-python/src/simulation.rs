@@ -15,7 +15,7 @@ use sinew_simulate::ring::Ring;
 /// Frames of all cameras beyond which a simulation is refused.
 const MOST_FRAMES: f64 = 1e6;
 
-/// What cameras saw of a person who walks, and where he was.
+/// What cameras saw of a person who walks, and where they were.
 ///
 /// Attributes
 /// ----------

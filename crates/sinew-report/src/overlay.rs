@@ -95,7 +95,7 @@ impl Side {
     }
 }
 
-/// Colour of a link or point of that name: orange on the person's left, blue on his right, green in the middle.
+/// Colour of a link or point of that name: orange on the person's left, blue on their right, green in the middle.
 #[must_use]
 pub fn colour_of(name: &str) -> [u8; 3] {
     match Side::of(name) {
@@ -143,7 +143,7 @@ impl Artist {
         Ok(Self { tree, cameras, model, colours, person: None })
     }
 
-    /// Draws all of the body in the colour of a person, with his number.
+    /// Draws all of the body in the colour of a person, with their number.
     fn with_number(mut self, person: Option<usize>) -> Self {
         if let Some(number) = person {
             self.colours.fill(colour_of_person(number));
@@ -282,11 +282,11 @@ fn black(camera: &Camera) -> RgbImage {
     RgbImage { width, height, pixels: vec![[0; 3]; width * height] }
 }
 
-/// A person of several, drawn in the cameras that his set-up knows.
+/// A person of several, drawn in the cameras that their set-up knows.
 struct Drawer<'a> {
     tracked: &'a Tracked,
     artist: Artist,
-    /// Places of his cameras among all.
+    /// Places of these cameras among all.
     places: Vec<usize>,
 }
 

@@ -1,8 +1,8 @@
 //! The right to write into a folder, sought before any computing.
 //!
 //! 1. The folder must not be, hold or lie in an input folder.
-//! 2. What is there may be replaced if it is nothing, the remains of a run that was stopped and left no checkpoint (`summary.json` says `complete: false`, or only `*.partial`), or
-//!    if the user says so. A run that is resumed takes the folder as it was left ([`claim_to_resume`]).
+//! 2. The folder may be written over if it is empty, if it holds the remains of a run that was stopped and left no checkpoint (`summary.json` says `complete: false`, or there are only
+//!    `*.partial`), or if the user says so. A run that is resumed takes the folder as it was left ([`claim_to_resume`]).
 //! 3. The folder is created and a lock file with our process number is put into it. The system gives the lock back when the process ends, however it ends; a lock file
 //!    without a lock is a remnant, and taken over.
 //! 4. Folders that were created and in which nothing was left are removed again.

@@ -2,7 +2,7 @@
 //!
 //! Length and checksum of every chunk that is whole are listed in a file of the program's own ([`super::chunks`]), so that a run that is resumed sees whether they are as they were left.
 //!
-//! `posterior` holds the rotations of the state, the root's place, the position of every point where it was not measured the size of the body, and where the detectors see the keypoints in space; `sample_stats` what the method brings and nothing else; `observed_data` the keypoints that were used.
+//! `posterior` holds the rotations of the state, the root's place, the position of every point, the size of the body where it was not measured, and where the detectors see the keypoints in space; `sample_stats` the statistics that the method has; `observed_data` the keypoints that were used.
 
 use super::chunks::ChunkList;
 use super::partial::{FilePlace, partial_path, take_back};

@@ -14,18 +14,18 @@ use std::path::{Path, PathBuf};
 /// Version of the layout of `summary.json`.
 const SCHEMA_VERSION: u32 = 1;
 
-/// Somebody, and what became of his run.
+/// One of several people, and what became of their run.
 #[derive(Clone, Debug, Serialize)]
 pub struct PersonTracked {
     /// Number, from 1 on in the order of coming.
     pub person: usize,
-    /// Folder of his results, from the folder of the run.
+    /// Folder of their results, from the folder of the run.
     pub folder: String,
     /// First frame and the one after the last.
     pub frames: [u64; 2],
-    /// Frames in which two cameras saw him.
+    /// Frames in which at least two cameras saw them.
     pub seen_frames: u64,
-    /// Frames in which each camera saw him, in the order of the cameras.
+    /// Frames in which each camera saw them, in the order of the cameras.
     pub camera_frames: Vec<u64>,
     /// Whether all of them are tracked.
     pub complete: bool,
@@ -67,7 +67,7 @@ pub fn person_folders(of_run: &Path) -> impl Iterator<Item = PathBuf> + '_ {
 }
 
 impl PersonTracked {
-    /// The cameras that saw him, in words.
+    /// The cameras that saw them, in words.
     #[must_use]
     pub fn seen_by(&self, cameras: &[String]) -> String {
         let seen: Vec<&str> = cameras
@@ -79,7 +79,7 @@ impl PersonTracked {
         if seen.len() == cameras.len() { format!("all {}", seen.len()) } else { seen.join(" ") }
     }
 
-    /// Why he is not tracked, or which diagnostics failed; empty where all is well.
+    /// Why they are not tracked, or which diagnostics failed; empty where all is well.
     fn problem(&self) -> String {
         self.failed.clone().unwrap_or_else(|| self.failed_diagnostics.join("; "))
     }
@@ -129,7 +129,7 @@ impl PeopleSummary {
         write_whole(&folder.join("summary.json"), json.as_bytes())
     }
 
-    /// One row a person: number, folder, frames, frames in which two cameras saw him, whether he is tracked and to be trusted, what is wrong, and frames in which each camera saw him.
+    /// One row a person: number, folder, frames, frames in which at least two cameras saw them, whether they are tracked and to be trusted, what is wrong, and frames in which each camera saw them.
     fn to_csv(&self) -> String {
         // Writing to a String cannot fail.
         let mut text = String::from("person,folder,first_frame,last_frame,seen_frames,complete,trusted,problem");

@@ -1,10 +1,10 @@
 //! A run of a standing trial, read back as the zero of angles: what `--static` takes ([`sinew_angles::zero`]).
 //!
 //! TRIAL is the result folder of a run of that trial, of the same person. With the set-up of the standing trial (`--setup TRIAL/setup.toml`) draw i of both runs is of the same constants: what lasts, such as the place of a keypoint on its link, is
-//! in both and goes with the difference. With a set-up of its own, draws are paired as they come, and what lasts counts twice. Draws of a smoothed run are trajectories; of a filtered one, draws
+//! in both and cancels in the difference. With a set-up of its own, draws are paired as they come, and what lasts counts twice. Draws of a smoothed run are trajectories; of a filtered one, draws
 //! of different frames share what lasts and nothing else, so that what is left of their own errors in the mean over the trial counts too little.
 //!
-//! Draws are of states, which no zero was taken off: a trial that was itself tracked with `--static` gives the same zero as without.
+//! Draws are of states, from which no zero was subtracted: a trial that was itself tracked with `--static` gives the same zero as without.
 //!
 //! What is wrong with a trial is an error where there is no zero in it (another body, another convention), else a remark ([`sinew_angles::standing`]).
 

@@ -1,4 +1,4 @@
-//! What a folder without a summary is: none of results, of a run that was stopped, or of one that runs.
+//! Why a folder has no summary: it holds no results, its run was stopped, or its run is still going.
 
 use crate::{Error, RESULT_NAMES, ReadError, is_in_use};
 use std::path::Path;

@@ -142,7 +142,7 @@ pub fn train(sequences: &[Vec<Vec<f64>>], wraps: &[bool], width: Width) -> Resul
 mod tests {
     use super::*;
 
-    /// A12, first half.
+    /// Number of values of a grid axis (coarse to fine, first half of A12).
     #[test]
     fn there_are_as_many_values_as_steps_fit_in() {
         for (low, high, width) in [(-1.0, 1.0, 0.3), (0.0, 1.0, 0.25), (-0.2, 3.0, 7.0), (0.0, 1.0, 1e-3)] {

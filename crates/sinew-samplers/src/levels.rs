@@ -128,7 +128,7 @@ mod tests {
         particles
     }
 
-    /// A10: only the part's coordinates change, and state i has them from one state; with the other reading of survival, too.
+    /// Update of a level (A10): only the part's coordinates change, and state i has them from one state; with the other reading of survival, too.
     #[test]
     fn a_part_comes_from_one_ancestor_and_the_rest_stays() {
         let log_weights: Vec<f64> = (0..COUNT).map(|i| ((i * 37) % COUNT) as f64 * 0.2).collect();

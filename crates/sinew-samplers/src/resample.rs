@@ -333,7 +333,7 @@ mod tests {
 
     const SCHEMES: [Scheme; 4] = [Scheme::Multinomial, Scheme::Residual, Scheme::Stratified, Scheme::Systematic];
 
-    /// R4.
+    /// Edge cases of the weights (R4).
     #[test]
     fn zeros_single_weights_and_equal_weights() {
         let mut rng = Stage::new(4, "R4").whole();
@@ -408,7 +408,7 @@ mod tests {
         }
     }
 
-    /// R5.
+    /// The highest share survives unchanged (R5).
     #[test]
     fn keep_once_refill_keeps_the_highest_share_in_place() {
         let weights = [0.05, 0.3, 0.01, 0.2, 0.02, 0.1, 0.05, 0.2, 0.02, 0.05];

@@ -145,7 +145,7 @@ impl GradLogDensity for HalfLine {
     }
 }
 
-/// H10, with one chain and with many. 2 × 3 statistics, seeds 5 and 6.
+/// Rejected proposals count (H10), with one chain and with many. 2 × 3 statistics, seeds 5 and 6.
 #[test]
 fn a_half_line_is_kept_where_half_the_trajectories_are_refused() {
     let starts: Vec<Block> = {

@@ -111,7 +111,7 @@ fn evidence_and_moments_are_unbiased_under_every_scheme_and_rule() {
     }
 }
 
-/// R1 in small: 4 × 7 statistics at |z| < 4.5, false alarm 2e-4; seed 4. Expected counts are whole, fractions and 0.
+/// Mean counts of resampling schemes (R1) in reduced size: 4 × 7 statistics at |z| < 4.5, false alarm 2e-4; seed 4. Expected counts are whole, fractions and 0.
 #[test]
 fn counts_have_the_expected_mean_under_every_scheme() {
     let weights = [0.0, 2.0, 0.3, 1.7, 0.05, 0.45, 1.5];

@@ -177,7 +177,7 @@ proptest! {
         }
     }
 
-    /// A12: each chosen part is the largest of its column; of parts that do not see each other the chain and the whole choose the same.
+    /// Choice of parts (coarse to fine, A12): each chosen part is the largest of its column; of parts that do not see each other the chain and the whole choose the same.
     #[test]
     fn chosen_parts_are_the_largest(dim in 1..5usize, count in 1..50usize, seed: u64) {
         let mut particles = cloud(dim, count, seed);

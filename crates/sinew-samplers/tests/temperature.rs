@@ -1,5 +1,5 @@
 //! The survival diagnostic, the exponent that is solved from it, and the sign of the log weights.
-//! A2 to A5.
+//! These are the laws A2 to A5.
 
 use sinew_core::density::{GradLogDensity, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
@@ -31,7 +31,7 @@ fn survivors(log_weights: &[f64], beta: f64) -> f64 {
     effective_number(&weights(log_weights, beta))
 }
 
-/// A2.
+/// The exponent that is solved for (A2).
 #[test]
 fn the_solved_exponent_leaves_the_wanted_part() {
     for seed in 0..20 {
@@ -43,7 +43,7 @@ fn the_solved_exponent_leaves_the_wanted_part() {
     }
 }
 
-/// A3: D falls, and as d log D / dβ = 2 (E_β[l] − E_2β[l]) says.
+/// Monotone survival (A3): D falls, and as d log D / dβ = 2 (E_β[l] − E_2β[l]) says.
 #[test]
 fn fewer_survive_a_larger_exponent() {
     for seed in 0..5 {
@@ -63,7 +63,7 @@ fn fewer_survive_a_larger_exponent() {
     }
 }
 
-/// A4.
+/// Invariance of the exponent (A4).
 #[test]
 fn the_exponent_does_not_know_the_zero_of_the_log_weights_and_scales_with_their_unit() {
     for seed in 0..20 {
@@ -82,7 +82,7 @@ fn the_exponent_does_not_know_the_zero_of_the_log_weights_and_scales_with_their_
     }
 }
 
-/// A5.
+/// Degenerate weights (A5).
 #[test]
 fn equal_weights_are_flat_and_one_state_is_one() {
     let flat = [-7.3; 12];

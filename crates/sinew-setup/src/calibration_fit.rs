@@ -17,7 +17,7 @@ const BETTER: f64 = 0.3;
 /// Sizes looked at: from a tenth to ten times, in steps of a 32nd of a doubling.
 const STEPS: std::ops::RangeInclusive<i32> = -106..=106;
 const STEPS_PER_DOUBLING: f64 = 32.0;
-/// Usual ratios of image sizes. One is meant where its residual is at most [`AS_GOOD`] times the least: constant offsets of the cameras move the least.
+/// Usual ratios of image sizes. One of them is taken for the true ratio where its residual is at most [`AS_GOOD`] times the least one: constant offsets of the cameras move the ratio of least residual.
 const USUAL: [f64; 9] = [1.0 / 4.0, 1.0 / 3.0, 1.0 / 2.0, 2.0 / 3.0, 3.0 / 4.0, 1.0, 4.0 / 3.0, 3.0 / 2.0, 2.0];
 const AS_GOOD: f64 = 1.5;
 /// Two cameras disagree in one number a point, and one that is turned a little looks like another size. Of two, sizes that are not usual are looked at only where the residual is this many times [`DOUBTFUL`].

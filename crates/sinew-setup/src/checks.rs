@@ -17,7 +17,7 @@ const WINDOW: usize = 120;
 /// Frames in which the subject's place before the cameras is looked at.
 const PLACES: usize = 20;
 
-/// Cameras that show people although the subject, as the other cameras place him, is behind them.
+/// Cameras that show people although the subject, as the other cameras place them, is behind them.
 fn behind(
     cameras: &[Camera],
     request: &SetupRequest,

@@ -71,7 +71,7 @@ impl Default for SetupRequest {
 pub struct Collected {
     /// Frame numbers and what the cameras saw, evenly spaced.
     pub spread: Vec<(u64, Sighted)>,
-    /// The same without gaps, from the first frame in which he was found.
+    /// The same without gaps, from the first frame in which they were found.
     pub window: Vec<(u64, Sighted)>,
     /// Windows without gaps later in the recording.
     pub later: Vec<Vec<(u64, Sighted)>>,
@@ -81,13 +81,13 @@ pub struct Collected {
     pub alone: Vec<Sighted>,
     /// Frames read.
     pub read: u64,
-    /// Frames in which he was found.
+    /// Frames in which they were found.
     pub found: u64,
     /// Largest number of people in one view.
     pub people: usize,
     /// For each camera, the frames in which it showed somebody.
     pub crowded: Vec<u64>,
-    /// For each camera, the frames in which it showed him.
+    /// For each camera, the frames in which it showed the tracked person.
     pub matched: Vec<u64>,
 }
 
@@ -140,7 +140,7 @@ fn later_window(since: u64) -> Option<usize> {
     }
 }
 
-/// What the cameras saw of the only person there is; `None` where there are more, or fewer than two cameras saw him.
+/// What the cameras saw of the only person there is; `None` where there are more, or fewer than two cameras saw them.
 #[must_use]
 pub fn alone(people: &[Vec<Person>]) -> Option<Sighted> {
     let seen = people.iter().filter(|view| !view.is_empty()).count();

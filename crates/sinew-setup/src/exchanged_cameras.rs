@@ -21,7 +21,7 @@ const MOST: usize = 16;
 struct Agreement {
     /// For each camera, the share of the frames in which it shows people where it shows the one whom others see.
     shares: Vec<f64>,
-    /// Median distance of his keypoints from their triangulation, pixels.
+    /// Median distance of that person's keypoints from their triangulation, pixels.
     residual_px: Option<f64>,
 }
 

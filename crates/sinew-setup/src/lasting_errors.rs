@@ -35,9 +35,9 @@ pub struct MeasuredErrors {
     pub points: Vec<String>,
     /// Middle of the person in the frames looked at, metres: biases are in metres at its distance.
     pub middle_m: [f64; 3],
-    /// Frames looked at, and how many independent ones they are worth for something constant.
+    /// Number of frames looked at.
     pub frames: usize,
-    /// Independent frames of the same worth.
+    /// Number of independent frames that say as much of a constant as these frames do.
     pub worth: f64,
     /// Time in which errors of detectors are forgotten by the factor e, seconds.
     pub persistence_s: f64,

@@ -62,7 +62,7 @@ impl MeasuredErrors {
         moments(&(0..self.draws()).map(mean).collect::<Vec<_>>()).1
     }
 
-    /// Standard deviation of the prior of a number over its size at the median of its scale: tails and draws of the scale widen it.
+    /// Standard deviation of the prior of a number, divided by what it is at the median of the prior's scale: above 1, since heavy tails and an uncertain scale widen the prior.
     fn spread(&self, place: usize) -> f64 {
         let layout = self.layout();
         let (scale, tails) = if place < layout.lengths().start {

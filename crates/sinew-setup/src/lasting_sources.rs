@@ -1,7 +1,7 @@
-//! How much of each point's uncertainty comes from what, of everything that is constant.
+//! Parts of the variance of each point's position by source (cameras, lengths, places, biases, lags), for everything that is constant over a recording.
 //!
 //! A draw δ of what is constant (truth less the value used) moves the points of the body by x = X (J δ) + L δ: J is the answer of the filter's pose to it, X the derivative of the points by the pose, L that by the lengths and, of points that are where detectors see them, by their places. With x = x₁ + … + x₅, the parts of cameras, lengths, places, biases and lags,
-//! the part of a source in the variance of x is cov(x_f, x): the parts add to the variance. One is negative where a source takes away what another one brings. All are means over frames and draws, and sums over the three axes.
+//! the part of a source in the variance of x is cov(x_f, x): the parts add to the variance. A part is negative where the errors of a source cancel those of another. All are means over frames and draws, and sums over the three axes.
 
 use serde::{Deserialize, Serialize};
 use sinew_body::point_derivatives::{Neighbours, PointDerivatives, lengthened};

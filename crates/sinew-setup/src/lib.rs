@@ -2,7 +2,7 @@
 //!
 //! [`set_up`] reads the people of some frames once, in order, and returns a [`Setup`], one plain value that is saved as `setup.toml`:
 //!
-//! 1. the tracked person is found by agreement of the cameras and followed ([`sinew_observe::association`]); of what he shows, an evenly spaced part is kept;
+//! 1. the tracked person is found by agreement of the cameras and followed ([`sinew_observe::association`]); of the frames that show them, an evenly spaced part is kept;
 //! 2. one constant offset and the scatter of the detections, camera by camera, before any pose is known ([`sinew_observe::cameras::offsets`]);
 //! 3. points in space, from which the sizes of the subject and the poses of the frames follow ([`sinew_body::bundle`]);
 //! 4. the model error: joints of the body are not keypoints of a detector ([`shape`]);

@@ -20,7 +20,7 @@ use std::ops::Range;
 
 /// Frames looked at, at most.
 const FRAMES: usize = 120;
-/// Time within which a pose begins where the former one was, seconds.
+/// Time between frames, seconds, up to which the fit of a pose starts from the pose of the frame before.
 const SOON_S: f64 = 0.5;
 /// Probability of a gross outlier.
 const OUTLIER: f64 = 0.02;
@@ -32,7 +32,7 @@ pub(super) struct Looked {
     /// As in [`sinew_observe::KeypointFrame`].
     pub elsewhere: Vec<Vec<f64>>,
     pub pose: Vec<f64>,
-    /// How the points were seen to move, metres a second, and how the body does.
+    /// Velocity of each point as the cameras saw it, metres a second; `velocities` are those of the body.
     pub seen_velocities: Vec<Option<[f64; 3]>>,
     pub velocities: Vec<[f64; 3]>,
     /// Detections as cameras that are not late would have made them.

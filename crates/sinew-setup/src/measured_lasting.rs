@@ -121,21 +121,21 @@ fn median_scale(found: &LastingDraws, scale: usize) -> f64 {
     offsets::median(&mut found.scales.iter().map(|scales| scales[scale]).collect::<Vec<_>>())
 }
 
-/// What a pass over the frames leaves.
+/// Result of one pass over the frames.
 struct Pass {
     /// g at which it was made.
     g: Vec<f64>,
-    /// What a frame was worth.
+    /// Number of independent frames that each frame counted for, at most 1.
     worth: f64,
     data: LastingData,
     filtered: Vec<Moments>,
-    /// How each filtered mean answers to g, d × p, row after row.
+    /// Derivative of each filtered mean by g, d × p (degrees of freedom × constants), row after row.
     responses: Vec<Vec<f64>>,
     /// What was linearised, without G.
     frames: Vec<LinearisedFrame>,
 }
 
-/// Poses and g on their way.
+/// State of the rounds: poses of the frames looked at, and the constants g.
 struct Fit {
     errors: LastingErrors,
     /// Body of the lengths that g counts from.
@@ -157,11 +157,11 @@ struct Fit {
     g: Vec<f64>,
     /// Mean and standard deviation of each number's prior, at the scales last drawn.
     expected: Vec<[f64; 2]>,
-    /// Usual time from a frame looked at to the next.
+    /// Usual time from a frame looked at to the next, seconds.
     seconds_apart: f64,
-    /// τ.
+    /// Time constant τ of persistent errors, seconds.
     persistence_s: f64,
-    /// What a frame is worth.
+    /// Number of independent frames that each frame counts for, at most 1.
     worth: f64,
     /// Frames a second, and usual velocities of the pose over the time in which they are looked at.
     fps: f64,

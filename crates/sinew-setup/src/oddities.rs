@@ -1,12 +1,12 @@
-//! Oddities of a recording that no person shows, noticed while it is tracked.
+//! Oddities of a recording that are no motion of the person, noticed while it is tracked.
 //!
 //! Cameras that exchange left and right for a span, people who jump.
 //!
 //! - A camera has *swapped* sides in frames where the keypoints of the left lie nearer to the projected points of the right and the other way: exchanging them
-//!   lowers the median distance to less than half, and by more than three times the camera's noise, in three frames at least. Up to two frames of another opinion
-//!   do not end a span.
-//! - A person *jumps* in a camera that shows one person, he alone so far, and suddenly shows one who is not where he is expected, with left and right exchanged
-//!   neither: the detector has turned to someone else. The robust association leaves the camera out until he is back.
+//!   lowers the median distance to less than half, and by more than three times the camera's noise, in three frames at least. Up to two frames in which
+//!   it does not do so do not end a span.
+//! - A person *jumps* in a camera that has shown this one person alone so far and suddenly shows one who is not where they are expected, not even with left and
+//!   right exchanged: the detector has turned to someone else. The robust association leaves the camera out until the person is back.
 //!
 //! Memory does not grow with the frames: a span is kept as its ends and sums, and only the first few of each camera are listed.
 
@@ -15,9 +15,9 @@ use serde::{Deserialize, Serialize};
 
 /// Frames that a span has at least.
 const SPAN: u32 = 3;
-/// Frames of another opinion that do not end a span.
+/// Successive frames without swapped sides that do not end a span.
 const PATIENCE: u32 = 2;
-/// Distances that an opinion needs.
+/// Least number of distances from which a swap or a jump is judged.
 const FEWEST: usize = 4;
 /// Spans and jumps listed for each camera.
 const LISTED: usize = 3;
@@ -51,9 +51,9 @@ pub struct Watched {
 /// What is odd of the first person that a camera shows in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OddPerson {
-    /// How far away somebody stands who was alone so far and has jumped.
+    /// Median distance of their keypoints from where the person is expected, pixels, if this is a jump.
     jump_px: Option<f64>,
-    /// Distances as labelled and exchanged of someone who was not taken for the person because of his labels.
+    /// Distances from the expected keypoints, pixels, with labels as they are and with left and right exchanged, of someone who was not taken for the person because of the labels.
     swapped_px: Option<(f64, f64)>,
 }
 

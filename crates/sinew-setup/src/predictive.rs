@@ -14,8 +14,8 @@
 //! - *disagreement*: root mean square of the residuals between the cameras, each divided by `σ √(1 − leverage)`; it knows nothing of the body and of the model error, which hide a wrong σ from the scatter;
 //! - *limb*: length between triangulated ends over that of the body, left and right together, after the length that noise adds.
 //!
-//! A number is reported ([`Doubt`]) where it is beyond a bound that means something for the intervals *and* more than `SURE` standard errors beyond what is expected. What cannot show is what the body or the set-up
-//! absorbs: with one camera whatever moves the person, with several a shift of the world. How large that may be is shown by the offsets that the set-up found
+//! A number is reported ([`Doubt`]) where it is beyond a bound that means something for the intervals *and* more than `SURE` standard errors beyond what is expected. Errors that the body or the set-up
+//! absorbs do not show here: with one camera every error that looks like a motion of the person, with several a shift of the whole world. How large that shift may be is shown by the offsets that the set-up found
 //! ([`Doubt::Calibration`]), with the same bound on each camera's.
 //!
 //! Memory does not grow with the frames.
@@ -77,14 +77,14 @@ impl Sum {
     }
 }
 
-/// A keypoint in a camera, seen from the draws of a frame.
+/// Residuals of one keypoint in one camera about some draws of a frame, summed up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residual {
     /// Assumed standard deviation per axis, pixels.
     pub sd_px: f64,
     /// Mean residual over the draws in which it is not gross, pixels.
     pub mean_px: [f64; 2],
-    /// Mean square of its distance over the same, in units of the standard deviation; two axes together.
+    /// Mean of (u² + v²) / `sd_px`² over the same draws, for a residual (u, v) in pixels; about 2 for a Gaussian error.
     pub square: f64,
     /// Share of the draws in which it is gross.
     pub gross: f64,
@@ -115,7 +115,7 @@ impl Residual {
     }
 }
 
-/// What a camera comes to.
+/// Sums over the frames for one camera.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Watched {
     name: String,
@@ -137,7 +137,7 @@ struct Watched {
     last_number: u64,
 }
 
-/// What a limb comes to.
+/// Sums over the frames for one kind of limb.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Limb {
     /// Frames' length between the keypoints over that of the body.
@@ -209,7 +209,7 @@ impl Predictive {
         }
     }
 
-    /// What the checks say of lengths, where these are all their doubts.
+    /// Summary of the checks of lengths. `doubts` are all doubts of the run ([`Predictive::doubts`]); the limbs counted are those measured in at least `FEWEST_FRAMES` frames.
     pub fn lengths(&self, doubts: &[Doubt]) -> Lengths {
         let checked = self.limbs.iter().filter(|limb| limb.ratio.count >= FEWEST_FRAMES).count();
         if doubts.iter().any(|doubt| matches!(doubt, Doubt::Limb { .. } | Doubt::Offset { .. })) {
@@ -218,7 +218,7 @@ impl Predictive {
         if checked == 0 { Lengths::Unchecked } else { Lengths::Undoubted(checked) }
     }
 
-    /// What does not look as the model says; `held` is the correlation of errors that the intervals have been widened for.
+    /// The numbers of the module's list that are beyond both of their bounds. `held` is the correlation of errors from frame to frame for which the intervals have been widened already.
     pub fn doubts(&self, held: f64) -> Vec<Doubt> {
         let mut doubts: Vec<Doubt> = self.cameras.iter().flat_map(|camera| camera.doubts(&self.expected)).collect();
         let persistent = |camera: &Watched| Some((camera.name.clone(), camera.persistence()?));

@@ -1,9 +1,9 @@
-//! Scatter of cameras whose residuals do not say whose errors they are.
+//! Scatter of cameras, drawn towards their geometric mean: the residuals of few cameras do not tell which camera erred.
 
-/// Share of the difference of a camera's scatter from the others', in logarithms, that is taken for its own.
+/// Share of the difference between the logarithm of a camera's scatter and the mean logarithm of all that is kept.
 const OWN: f64 = 0.5;
 
-/// Scatter of cameras, metres, nearer to their geometric mean: the residuals of few cameras do not say whose errors they are. A camera that is trusted more has smaller residuals, is trusted more again, and of three one may end at a third of its scatter.
+/// For each camera `exp(m + OWN (ln s − m))`, metres, with s its scatter and m the mean of ln s over the cameras with a finite one; NaN stays NaN. Without this a camera that is trusted more gets smaller residuals and is trusted more again, so that one of three may end at a third of its true scatter.
 pub(super) fn like_the_others(own: &[f64]) -> Vec<f64> {
     let known = || own.iter().filter(|x| x.is_finite()).map(|x| x.ln());
     let usual = known().sum::<f64>() / known().count() as f64;

@@ -1,7 +1,7 @@
 //! Whether the person's segments have lengths that people have.
 //!
 //! Segments are shares of the stature (Drillis & Contini 1966, in Winter 2009, Biomechanics and Motor Control of Human Movement, figure 4.1). People are from 0.5 m (median
-//! length of newborns, WHO Child Growth Standards 2006) to 2.51 m (the tallest living man when he was measured in 2011, Guinness World Records). Shares differ between
+//! length of newborns, WHO Child Growth Standards 2006) to 2.51 m (the tallest living man, measured in 2011, Guinness World Records). Shares differ between
 //! people and keypoints are no centres of joints, narrow ones least: half of the share of the smallest and 1.3 times that of the tallest are let pass.
 
 use super::setup_error::{SegmentLength, SetupError};

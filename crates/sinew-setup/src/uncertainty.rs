@@ -5,7 +5,7 @@
 use super::lasting_sources::{PointSources, SOURCES};
 use serde::Serialize;
 
-/// What the uncertainty of a joint comes from: shares of its variance, which add to 1. One is negative where a source takes away what another one brings.
+/// What the uncertainty of a joint comes from: shares of its variance, which add to 1. A share is negative where the errors of a source cancel those of another.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct JointUncertainty {
     /// Name of the point.

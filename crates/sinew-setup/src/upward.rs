@@ -55,7 +55,7 @@ impl Upward {
 /// Fewest frames that say anything.
 const FEWEST: usize = 3;
 
-/// Least share of the frames that show the person in which he must be upright.
+/// Least share of the frames that show the person in which they must be upright.
 const LEAST_SHARE: f64 = 0.05;
 
 /// Bend of the straighter knee of someone upright, degrees.

@@ -45,7 +45,7 @@ pub enum SetupWarning {
         cameras: usize,
         /// Of all these.
         of: usize,
-        /// Which, where the others found him.
+        /// Which, where the other cameras found the subject.
         names: Vec<String>,
     },
     /// The world's z axis points down the body.

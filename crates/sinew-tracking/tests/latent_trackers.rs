@@ -1,4 +1,4 @@
-//! GPAPF and H-APF on a toy hierarchy: A13, resumption, threads, counts, settings, convergence, and what may be added.
+//! GPAPF and H-APF on a toy hierarchy: their equality on one node (A13), resumption, threads, counts, settings, convergence, and what may be added.
 
 mod limbs;
 
@@ -179,7 +179,7 @@ fn step(tracker: &mut (impl Tracker<Seen> + ?Sized), frame: u32) -> Left {
     (info, posterior.states.to_vec(), posterior.weights.to_vec())
 }
 
-/// A13: everything that a frame leaves, and what is kept for the next.
+/// H-APF with one node equals GPAPF (A13): everything that a frame leaves, and what is kept for the next.
 #[test]
 fn one_layer_that_carries_its_latents_is_gpapf() {
     for (layers, scheme) in [(5, Scheme::Multinomial), (1, Scheme::Multinomial), (3, Scheme::Systematic)] {

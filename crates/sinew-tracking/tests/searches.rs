@@ -1,5 +1,5 @@
 //! The annealed and the coarse-to-fine tracker against exact results.
-//! A1, A12, validity, counts of evaluations, equality of the two ways of a product likelihood.
+//! One annealed layer against the bootstrap filter (A1), the verbs of the coarse-to-fine search (A12), validity, counts of evaluations, equality of the two ways of a product likelihood.
 
 use sinew_core::density::{Lanes, LogDensity, PartLogDensity};
 use sinew_core::lanes::{Block, Isa, LANES};
@@ -30,7 +30,7 @@ fn seen(frame: u32) -> Lanes<Quadratic> {
     Lanes { leaf, isa: Isa::best() }
 }
 
-/// A1: weights, ancestors and particles of ten frames.
+/// One layer against the bootstrap filter (A1): weights, ancestors and particles of ten frames.
 #[test]
 fn one_layer_with_an_exponent_of_one_is_the_bootstrap_filter() {
     for scheme in [Scheme::Multinomial, Scheme::Systematic] {
@@ -244,7 +244,7 @@ fn coarse_to_fine(config: coarse_to_fine::Config, width: f64) -> CoarseToFine {
     CoarseToFine::new(config, axes(width), tree(), vec![0.0, 1.0, 0.0], Isa::best()).expect("valid")
 }
 
-/// A12, second half: coarse states stand on centres and the coarse estimate is the best of them; equal ones are evaluated once.
+/// Coarse to fine (second half of A12): coarse states stand on centres and the coarse estimate is the best of them; equal ones are evaluated once.
 #[test]
 fn coarse_states_stand_on_centres_and_share_evaluations() {
     for (width, snapped) in [(0.5, true), (0.1, true), (0.3, false)] {
@@ -271,7 +271,7 @@ fn coarse_states_stand_on_centres_and_share_evaluations() {
     }
 }
 
-/// A12, second half: with one fine particle the parts are its own, and it is one draw around the coarse estimate.
+/// Coarse to fine (second half of A12): with one fine particle the parts are its own, and it is one draw around the coarse estimate.
 #[test]
 fn one_fine_particle_is_the_estimate() {
     for judging in [Judging::Decoupled, Judging::Chained, Judging::Whole] {

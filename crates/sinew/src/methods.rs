@@ -3,8 +3,8 @@
 //! Enter: the settings of a method, a set-up, the motion prior, the parts of the body. Leaves: a tracker on the likelihood of a frame ([`FrameLikelihood`]).
 //! Must not know: where frames come from, and what becomes of the posterior.
 //!
-//! A method is described by an [`About`] (name, help, what it needs and gives, its own settings) and made by a [`Method`]. The command line, its completion, messages about idle flags
-//! and the tables of the documentation derive from [`METHODS`].
+//! A method is described by an [`About`] (name, help, what it needs and gives, its own settings) and made by a [`Method`]. The command line, its completion
+//! and the tables of the documentation derive from [`METHODS`], and so do messages that a method's own setting is idle; other idle settings are listed by hand (`config/idle.rs`).
 
 pub mod about;
 pub mod annealed;

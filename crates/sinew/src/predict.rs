@@ -11,9 +11,9 @@
 //! own = cov(u⁽ⁱ⁾ − ū⁽ⁱ⁾) + (G − Ḡ) Σ (G − Ḡ)ᵀ + ℓ² (f − f̄)(f − f̄)ᵀ + (b² + n²) I
 //! ```
 //!
-//! The mean over frames and keypoints counts each by the inverse of its total variance: where the camera is aside is seen in keypoints that are known well.
+//! The mean over frames and keypoints weighs each by the inverse of its total variance: a shift of the camera shows in keypoints that are known well.
 //! G is the derivative of the pixel by what the camera may be off by ([`sinew_observe::cameras::camera_error`]), Σ its prior with the scale that the other cameras show, Ḡ the same mean of G; f is how far the keypoint moves in a second, from the frame before to the frame after, f̄ its mean, ℓ the size of the lag of the camera's clock, seconds; b is the size of a bias of the camera's detector for that kind of keypoint, n the scatter
-//! of an observation of usual confidence, both as the other cameras show them, in proportion to the size of the person in the image. `common` is that of the shift that all keypoints of the camera share in all frames, `own` that of a keypoint once this shift is taken off. They add up to `total` only where a keypoint moves as all do in the mean; a camera that is turned moves those at its margins otherwise. A keypoint that lies outside the image in the mean is not predicted: pixels of points near the plane of a camera say nothing of it.
+//! of an observation of usual confidence, both as the other cameras show them, in proportion to the size of the person in the image. `common` is that of the shift that all keypoints of the camera share in all frames, `own` that of a keypoint once this shift is taken off. They add up to `total` only where a keypoint moves as all do in the mean; a turn of the camera moves keypoints near the margins of its image differently. A keypoint that lies outside the image in the mean is not predicted: pixels of points near the plane of a camera say nothing of it.
 
 pub(crate) mod error;
 
@@ -35,14 +35,14 @@ use sinew_results::tracked::Tracked;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// A keypoint's observation.
+/// Predicted observation of a keypoint: mean and covariance of its pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Predicted {
     /// Pixel.
     pub mean: [f64; 2],
     /// Covariance uu, uv, vv, square pixels.
     pub total: [f64; 3],
-    /// The same once the shift that all keypoints share is taken off.
+    /// The same once the shift that all keypoints of the camera share is subtracted.
     pub own: [f64; 3],
 }
 
@@ -51,7 +51,7 @@ pub struct Predicted {
 pub struct CameraPrediction {
     /// The camera.
     pub camera: Camera,
-    /// NumberArray of the frames.
+    /// Numbers of the frames.
     pub frames: Vec<u64>,
     /// Names of the keypoints.
     pub keypoints: Vec<String>,

@@ -1,18 +1,18 @@
-//! Is somebody who was away known again when he comes back?
+//! Is a person who was away known again when they come back?
 //!
-//! A track is a person's in a frame if it is the nearest to him, at most [`NEAR_M`] away. Its owner before a frame is the person whose it was in most frames before. When somebody comes, the name that he gets is the track that is his in most frames of his stay:
+//! A track is a person's in a frame if it is the nearest to them, at most [`NEAR_M`] away. Its owner before a frame is the person whose it was in most frames before. When a person comes, the name that they get is the track that is theirs in most frames of their stay:
 //!
-//! - he is **known again** if that track was his own before,
-//! - he has a **new name** if it was nobody's,
-//! - he has **another's name** if it was somebody else's,
-//! - he is **missed** if no track is his.
+//! - they are **known again** if that track was their own before,
+//! - they have a **new name** if it was nobody's,
+//! - they have **another's name** if it was somebody else's,
+//! - they are **missed** if no track is theirs.
 
 use super::several_people::{NEAR_M, Track, distance};
 
 /// What became of those who come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Returns {
-    /// Who was there before and has his own name again.
+    /// Who was there before and has their own name again.
     pub known: usize,
     /// Who was there before and has a new name.
     pub new: usize,

@@ -1,6 +1,6 @@
 //! How well several people are found and kept apart, in space.
 //!
-//! Truth and estimate are tracks of people; in a frame somebody is where his points are. An estimate is of a person where their mean distance over the points is at most [`NEAR_M`].
+//! Truth and estimate are tracks of people; in a frame a person is where their points are. An estimate is of a person where their mean distance over the points is at most [`NEAR_M`].
 //!
 //! - **MOTA** (Bernardin & Stiefelhagen, EURASIP J. Image Video Process. 2008, 246309): matches of the frame before stay where they still hold, the rest is assigned at least distance; with misses m, false people f and switches s, MOTA = 1 − Σ (m + f + s) / Σ people.
 //! - **IDF1** (Ristani et al., ECCV workshops 2016): one track of the estimate for each true one, chosen so that most frames agree; IDF1 = 2 TP / (people + estimates).

@@ -1,4 +1,4 @@
-//! The annealed and the partitioned tracker against laws and exact filters, in reduced size: R6, A6–A9, A11, E7, `partitioned-exact`. Exact ones (A1, A12) are in `crates/sinew-tracking/tests/searches.rs`, A2–A5 in
+//! The annealed and the partitioned tracker against laws and exact filters, in reduced size: weighted resampling (R6), noise of layers (A6), partitions (A7–A9), crossover (A11), eight modes (E7), `partitioned-exact`. Exact ones (A1, A12) are in `crates/sinew-tracking/tests/searches.rs`, those of the exponent (A2–A5) in
 //! `crates/sinew-samplers/tests/temperature.rs`.
 
 use sinew_tests::annealing_laws::{collapse_on_the_depth_flip, marginals_under_crossover, noise_of_layers};
@@ -7,13 +7,13 @@ use sinew_tests::finding::demand;
 use sinew_tests::partitioned_laws::{Importance, agreement, particles_needed, represents_the_same, without_correction};
 use sinew_tests::size::Size;
 
-/// R6. 12 scores at |z| < 4.5: false alarm 8e-5.
+/// Weighted resampling is unbiased (R6). 12 scores at |z| < 4.5: false alarm 8e-5.
 #[test]
 fn weighted_resampling_represents_the_same() {
     demand(&represents_the_same(1, Size::Reduced));
 }
 
-/// A7. 52 scores at |z| < 4.5: false alarm 4e-4.
+/// The partitioned filter against exact moments (A7). 52 scores at |z| < 4.5: false alarm 4e-4.
 #[test]
 fn one_frame_of_the_partitioned_filter_is_exact_whatever_its_importance() {
     for importance in [Importance::Product, Importance::Right, Importance::Wrong, Importance::Whole] {
@@ -31,7 +31,7 @@ fn the_partitioned_filter_is_the_joint_filter() {
     }
 }
 
-/// A8.
+/// Negative control: weights left out (A8).
 #[test]
 fn without_its_weights_weighted_resampling_is_seen_to_fail() {
     for importance in [Importance::Right, Importance::Wrong] {
@@ -41,25 +41,25 @@ fn without_its_weights_weighted_resampling_is_seen_to_fail() {
     }
 }
 
-/// A9.
+/// Growth with the number of parts (A9).
 #[test]
 fn partitions_need_particles_for_one_part_at_a_time() {
     demand(&particles_needed(5, Size::Reduced));
 }
 
-/// A6.
+/// Noise of layers (A6).
 #[test]
 fn the_noise_of_a_layer_shrinks_with_the_survival_rates() {
     demand(&noise_of_layers(6));
 }
 
-/// A11. 8 scores at |z| < 4.5: false alarm 5e-5.
+/// Crossover (A11). 8 scores at |z| < 4.5: false alarm 5e-5.
 #[test]
 fn crossover_keeps_marginals() {
     demand(&marginals_under_crossover(7, Size::Reduced));
 }
 
-/// Second half of E7.
+/// Collapse of the annealed filter on eight modes (second half of E7).
 #[test]
 fn the_annealed_filter_collapses_on_eight_modes() {
     let Some(arm) = Arm::stored() else { return };

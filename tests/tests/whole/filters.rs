@@ -27,7 +27,7 @@ fn short_chains() -> Config {
     }
 }
 
-/// E5. 4 means and 10 covariances at |z| < 4.5: false alarm 1e-4.
+/// The HMC filter in one frame, with a Gaussian prior (E5). 4 means and 10 covariances at |z| < 4.5: false alarm 1e-4.
 #[test]
 fn one_frame_of_the_hmc_filter_has_the_exact_posterior() {
     let series = Series::simulated(4, 1, &Stage::new(5, "E5 data"));

@@ -1,6 +1,6 @@
 //! Leapfrog and hybrid Monte Carlo on the benchmark problem and on targets in closed form.
 //!
-//! H1–H5, H8 and H9, on the 28-dimensional benchmark problem and, where the specification names that body, on a posterior of CF28.
+//! Hamiltonian Monte Carlo: reversibility (H1), volume (H2), energy error (H3, H5), acceptance (H4), step sizes of components (H8), moments of a long run (H9); on the 28-dimensional benchmark problem and, where the specification names that body, on a posterior of CF28.
 
 use sinew::body::standard::{cf28, h32};
 use sinew::body::{KinematicTree, Plan, Proportions, point_positions};
@@ -103,7 +103,7 @@ fn bulk28(problem: &problem28::Problem, blocks: usize) -> Vec<Block> {
         .last
 }
 
-/// H1, on CF28 and on the benchmark.
+/// Reversibility (H1), on CF28 and on the benchmark.
 #[test]
 fn reversed_momenta_lead_back() {
     let body = cf28_posterior();
@@ -161,7 +161,7 @@ fn log_det(mut m: Vec<Vec<f64>>) -> f64 {
     log
 }
 
-/// H2, on parts of CF28 and of the benchmark.
+/// Volume preservation (H2), on parts of CF28 and of the benchmark.
 #[test]
 fn a_leapfrog_step_preserves_volume() {
     let body = cf28_posterior();
@@ -204,7 +204,7 @@ fn volume_is_preserved(target: &impl GradLogDensity, h: &[f64], fixed: &[f64]) {
     }
 }
 
-/// H3.
+/// Order of the energy error (H3).
 #[test]
 fn the_energy_error_falls_with_the_square_of_the_step() {
     let problem = problem28::load();
@@ -236,7 +236,7 @@ fn the_energy_error_falls_with_the_square_of_the_step() {
     assert!((1.8..=2.2).contains(&slope), "slope {slope}, bounds 1.8 and 2.2; {points:?}");
 }
 
-/// H4.
+/// Acceptance of small steps, and the largest stable one (H4).
 #[test]
 fn acceptance_tends_to_one_and_the_harmonic_target_is_stable_below_two() {
     let isa = Isa::best();
@@ -263,7 +263,7 @@ fn acceptance_tends_to_one_and_the_harmonic_target_is_stable_below_two() {
     assert!(last > 0.999_9, "{last}");
 }
 
-/// H5.
+/// E[exp(−ΔH)] = 1 at stationarity (H5).
 #[test]
 fn the_mean_of_exp_minus_the_energy_error_is_one() {
     let (isa, d, blocks) = (Isa::best(), 10, 12_500);
@@ -296,7 +296,7 @@ fn the_mean_of_exp_minus_the_energy_error_is_one() {
     assert!(z.abs() < 4.0, "mean {mean}, z = {z}, bound 4, seed 5, false alarm 6e-5");
 }
 
-/// H8: component steps ε_j against the textbook form with mass η² / ε_j², unit-free step η.
+/// Steps of components (H8): component steps ε_j against the textbook form with mass η² / ε_j², unit-free step η.
 #[test]
 fn component_steps_equal_a_mass_matrix() {
     let isa = Isa::best();
@@ -322,7 +322,7 @@ fn component_steps_equal_a_mass_matrix() {
     }
 }
 
-/// H9, with both metrics. 130 statistics at |z| < 4.5: false alarm 1e-3.
+/// Moments of a long run on a Gaussian (H9), with both metrics. 130 statistics at |z| < 4.5: false alarm 1e-3.
 #[test]
 fn a_long_run_has_the_moments_of_a_badly_scaled_gaussian() {
     let d = 10;

@@ -1,4 +1,4 @@
-//! J1 and J2: the samplers against simulators of states and observations; with planted bugs as negative controls. Seeds are fixed, false alarms 1e-6 a report.
+//! Joint distributions (J1) and simulation-based calibration (J2): the samplers against simulators of states and observations; with planted bugs as negative controls. Seeds are fixed, false alarms 1e-6 a report.
 
 use sinew_tests::calibrated_samplers as calibrated;
 use sinew_tests::filter_calibration::normalised_errors;
@@ -44,7 +44,7 @@ fn a_search_is_not_calibrated() {
     calibrated::annealed_filter(1, Size::Reduced).0.assert_fails();
 }
 
-/// J3. Three scores at |z| < 4.
+/// Calibration of filters (J3). Three scores at |z| < 4.
 #[test]
 fn filters_err_as_much_as_they_say() {
     demand(&normalised_errors(1, Size::Reduced));

@@ -22,7 +22,7 @@ fn diagonal(moments: &Moments) -> Vec<f64> {
     moments.covariance.iter().step_by(moments.mean.len() + 1).copied().collect()
 }
 
-/// E1: log-likelihood to 1e-8; increments, means, variances and whole covariances to 1e-9.
+/// The Kalman filter and smoother against stored exact numbers (E1): log-likelihood to 1e-8; increments, means, variances and whole covariances to 1e-9.
 #[test]
 fn both_forms_equal_the_stored_filter_and_smoother() {
     for name in ["lgssm_d2.json", "lgssm_d10.json"] {

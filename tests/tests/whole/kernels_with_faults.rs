@@ -1,4 +1,4 @@
-//! H7, H10, walls and frozen tuning, in reduced size and with fixed seeds.
+//! Faults of the step sizes (H7), dropped rejections (H10), walls and frozen tuning, in reduced size and with fixed seeds.
 
 use sinew_tests::checks::faults;
 use sinew_tests::finding::demand;

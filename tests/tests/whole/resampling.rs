@@ -1,6 +1,6 @@
 //! Resampling and weights: expectations, bounds, variances and independence of threads.
 //!
-//! R1, R2, R3, R5 and R7 (R4 is beside the code), hard weights, what resampling leaves, weights far down in log space.
+//! Resampling: mean counts (R1), their bounds (R2) and variance (R3), the share that survives (R5), permutations (R7); edge cases of weights (R4) are tested beside the code. Also hard weights, what resampling leaves, weights far down in log space.
 
 use sinew::core::density::LogDensity;
 use sinew::core::lanes::{Block, Isa};
@@ -52,7 +52,7 @@ fn counts(scheme: Scheme, weights: &[f64], n: usize, rng: &mut BlockRng) -> Vec<
     counts
 }
 
-/// R1, R2 and R3 on the same replicates. 4 × 30 statistics at |z| < 4.5: false alarm 1e-3.
+/// Mean (R1), bounds (R2) and variance (R3) of counts on the same replicates. 4 × 30 statistics at |z| < 4.5: false alarm 1e-3.
 #[test]
 fn counts_have_the_expected_mean_bounds_and_variance() {
     let (k, n, replicates) = (30, 47, 20_000);
@@ -87,7 +87,7 @@ fn counts_have_the_expected_mean_bounds_and_variance() {
     assert!(systematic <= stratified && stratified <= multinomial && residual <= multinomial, "{total_variance:?}");
 }
 
-/// R5.
+/// The highest share survives unchanged (R5).
 #[test]
 fn keep_once_refill_keeps_eighty_percent_in_place() {
     let mut rng = Stage::new(5, "R5").whole();
@@ -102,7 +102,7 @@ fn keep_once_refill_keeps_eighty_percent_in_place() {
     }
 }
 
-/// R7: the same stream gives the same ancestors, and a permutation of the weights permutes what is not random.
+/// Permutations (R7): the same stream gives the same ancestors, and a permutation of the weights permutes what is not random.
 #[test]
 fn the_stream_alone_decides() {
     let weights = dirichlet(300, &mut Stage::new(7, "R7").whole());

@@ -69,7 +69,7 @@ fn the_reference_recipe_reproduces_the_unfiltered_reference() {
     assert!(equal >= 2094);
 }
 
-/// In this recording the tracked man is the first person of every file in which he is found; in frame 37 a camera breaks him in two.
+/// In this recording the tracked man is the first person of every file in which they are found; in frame 37 a camera breaks them in two.
 #[test]
 fn the_man_is_distinguished_from_the_bystanders() {
     let Some(data) = data() else { return };

@@ -44,13 +44,13 @@ pub struct AgreementLimits {
     pub sd: f64,
     /// Ends of the 95 % interval of the bias.
     pub bias_interval: [f64; 2],
-    /// AgreementLimits of agreement, the lower first.
+    /// Limits of agreement, the lower first.
     pub limits: [f64; 2],
     /// Ends of the 95 % interval of each.
     pub limit_intervals: [[f64; 2]; 2],
 }
 
-/// AgreementLimits of agreement of differences that are worth `count` independent ones.
+/// Mean, spread and limits of agreement of differences that are worth `count` independent ones.
 #[must_use]
 pub fn limits_of_agreement(bias: f64, sd: f64, count: f64) -> AgreementLimits {
     let limits = [-1.0, 1.0].map(|sign| bias + sign * REACH[2] * sd);

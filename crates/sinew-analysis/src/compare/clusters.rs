@@ -1,4 +1,4 @@
-//! Covariance of what least squares find where residuals hang together: in a piece of time, and in a joint.
+//! Covariance of least-squares estimates whose residuals are correlated within clusters of two kinds: a piece of time, and a joint.
 //!
 //! With a row's gradient g of its residual r by the parameters, H = Σ g gᵀ, and s_c = Σ g r over the rows of a cluster c, the covariance is H⁻¹ (M_time + M_joint − M_both) H⁻¹ with M = G/(G − 1) Σ_c s_c s_cᵀ over G clusters; clusters of `both` are a joint in a piece of time (Cameron, Gelbach and Miller, Journal of Business & Economic Statistics 29, 2011, equation 2.11). No variance is taken below that of pieces of time alone.
 
@@ -14,11 +14,11 @@ pub(super) struct ResidualRow {
     pub(super) piece: usize,
     pub(super) joint: usize,
     pub(super) residual: f64,
-    /// Derivative of the residual by each parameter; those beyond their number are not looked at.
+    /// Derivative of the residual by each parameter; entries beyond the number of parameters are ignored.
     pub(super) gradient: [f64; MOST],
 }
 
-/// Middle of the sandwich over clusters of a key.
+/// The matrix M of the module, parameters × parameters, for clusters of rows with an equal key.
 fn middle<K: Ord>(rows: &[ResidualRow], parameters: usize, key: impl Fn(&ResidualRow) -> K) -> DMatrix<f64> {
     let mut sums: BTreeMap<K, DVector<f64>> = BTreeMap::new();
     for row in rows {
@@ -31,7 +31,7 @@ fn middle<K: Ord>(rows: &[ResidualRow], parameters: usize, key: impl Fn(&Residua
     found * (count / (count - 1.0))
 }
 
-/// Least share that a direction of the parameters, each in its own measure, has in what is known.
+/// Least eigenvalue of H, scaled to a diagonal of ones, with which all parameters count as determined.
 const DETERMINED: f64 = 1e-9;
 
 fn is_determined(information: &DMatrix<f64>) -> bool {
@@ -40,7 +40,7 @@ fn is_determined(information: &DMatrix<f64>) -> bool {
     scaled.iter().all(|entry| entry.is_finite()) && scaled.symmetric_eigenvalues().min() > DETERMINED
 }
 
-/// Standard deviations of the parameters; `None` where the rows leave one open, or hang together in one piece.
+/// Standard deviations of the parameters; `None` where the rows do not determine them, or where all rows are in one piece of time.
 pub(super) fn standard_deviations(rows: &[ResidualRow], parameters: usize) -> Option<Vec<f64>> {
     let mut information = DMatrix::<f64>::zeros(parameters, parameters);
     for row in rows {

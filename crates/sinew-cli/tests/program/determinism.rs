@@ -177,7 +177,7 @@ fn error_m(recording: &SyntheticRecording, setup: &Setup, estimate: &FrameEstima
 fn who_leaves_and_returns_elsewhere_is_found_again() {
     let mut recording = recording(4.5);
     let setup = set_up(&recording, 0..60);
-    // Nobody in frames 40..60; then he is where he was to be 50 frames later.
+    // Nobody in frames 40..60; then the walker is where they would have been 50 frames later.
     for camera in &mut recording.keypoints {
         for frame in (40..60).collect::<Vec<usize>>() {
             camera[frame].fill(None);
@@ -200,7 +200,7 @@ fn who_leaves_and_returns_elsewhere_is_found_again() {
         assert!(spread(55) > 2.0 * spread(39), "uncertainty grows while nobody is seen");
         for number in 62..80_usize {
             let error = error_m(&recording, &setup, &found[number - 30], number + 50);
-            // A particle filter of so few particles drifts; he is found all the same, two metres from where he was lost.
+            // A particle filter of so few particles drifts; the walker is found all the same, two metres from where they were lost.
             let most = if settings.method.about().name == "hmc" { 0.15 } else { 0.4 };
             assert!(error < most, "{:?} frame {number}: {error}", settings.method);
         }
@@ -233,7 +233,7 @@ fn a_world_that_is_declared_is_turned_to_z_up() {
     assert!(printed.contains("set `up_axis` (found: -y)"), "{printed}");
     let printed = trial.track_printed(&["--up-axis", "-y"]);
     assert!(!printed.contains("up_axis"), "{printed}");
-    // The person says it as well: he walks, and his points hold the same heights.
+    // The person says it as well: they walk, and their points hold the same heights.
     let printed = trial.track_printed(&["-olevelled", "--up", "auto"]);
     assert!(printed.contains("the world was levelled: up is ("), "{printed}");
     let summary = fs::read_to_string(trial.path("levelled/summary.json")).unwrap();

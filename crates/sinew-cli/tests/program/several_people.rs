@@ -1,4 +1,4 @@
-//! Everybody in view is tracked in one run, each into a folder of his own.
+//! Everybody in view is tracked in one run, each into a folder of their own.
 
 use crate::common::{QUICK, TRACK, Trial, files};
 use sinew::formats::{calib_toml, picture, trc};
@@ -160,7 +160,7 @@ fn a_number_chooses_the_person_of_the_folder_of_that_number() {
     assert!(["01", "02"].iter().all(|number| trial.path(&format!("whole/people/{number}/report.html")).is_file()));
 }
 
-/// Both people lie in the pictures of one call, each in his colour.
+/// Both people lie in the pictures of one call, each in their colour.
 #[test]
 fn everybody_is_drawn_in_one_picture() {
     let (trial, _) = crossing();

@@ -123,7 +123,7 @@ mod tests {
     use faer::linalg::solvers::Solve;
     use faer::{Mat, MatRef};
 
-    /// M3: the smallest Mahalanobis distance by a solver that shares nothing with the tables, on every instruction set.
+    /// Matching of primitives (M3): the smallest Mahalanobis distance by a solver that shares nothing with the tables, on every instruction set.
     #[test]
     fn the_nearest_cluster_has_the_smallest_mahalanobis_distance() {
         let learned = primitives();

@@ -207,7 +207,7 @@ mod tests {
         (switching, older, own.to_vec())
     }
 
-    /// M5: the share of each model among 48 000 draws, |z| < 4.
+    /// Switching of models (M5): the share of each model among 48 000 draws, |z| < 4.
     #[test]
     fn each_model_has_a_third_of_the_draws() {
         let (switching, older, own) = models();

@@ -27,7 +27,7 @@ pub(super) fn no_such_frames(asked: &Range<u64>, available: &Range<u64>) -> Erro
     InputError::NoSuchFrames { asked: asked.clone(), available: available.clone() }.into()
 }
 
-/// That a camera is so late that no frame is in all.
+/// The error for a camera that is so late that the cameras have no frame in common.
 fn lags_leave_none(listed: &[impl Borrow<CameraFiles>]) -> InputError {
     let files = listed.iter().map(Borrow::borrow);
     let latest = files.max_by(|a, b| a.lag.frames.abs().total_cmp(&b.lag.frames.abs()));
@@ -42,7 +42,7 @@ fn lags_leave_none(listed: &[impl Borrow<CameraFiles>]) -> InputError {
 /// Of files that leave out frames without people, a missing frame says nothing. Where all are such files, all cameras have the frames from the first that one of them has to the last.
 ///
 /// # Errors
-/// Such files that share no frame with any other.
+/// A camera with such files whose frames overlap with those of no other camera.
 pub(super) fn spans<'a>(
     listed: &'a [impl Borrow<CameraFiles>],
     range: impl Fn(&CameraFiles) -> Range<u64>,

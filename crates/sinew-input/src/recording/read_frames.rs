@@ -21,7 +21,7 @@ struct Kept {
     read: u64,
 }
 
-/// A frame, with the hash of its file and the value from which that was begun.
+/// A frame, with the hash of its file and the start value of that hash.
 #[derive(Clone, Debug)]
 struct Hashed {
     frame: OpenposeFrame,
@@ -30,7 +30,7 @@ struct Hashed {
 }
 
 impl ReadFrames {
-    /// The frame of a file with its hash from `begun` on: kept, or read by `read`.
+    /// The frame of a file and the hash of the file with start value `begun`: from memory, else by `read`.
     ///
     /// # Errors
     /// Those of `read`.

@@ -15,7 +15,7 @@ pub(super) struct RecentFrames {
 }
 
 impl RecentFrames {
-    /// Everybody at a time of the camera, in its frames; `read` reads one of them.
+    /// The people at a time, counted in the camera's own frames and interpolated between the four around it; `read` reads the people of one frame.
     pub(super) fn people_at(
         &mut self,
         time: f64,

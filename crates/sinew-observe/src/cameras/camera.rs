@@ -275,7 +275,7 @@ mod tests {
         assert!(right[0] > 160.0 && (right[1] - 120.0).abs() < 1e-9, "{right:?}");
     }
 
-    /// K8: the camera of Choo & Fleet, `d = ((X−Xc)/(Y−Yc), (Z−Zc)/(Y−Yc))`, is the general one with f = 1 and v negated.
+    /// Projection (K8): the camera of Choo & Fleet, `d = ((X−Xc)/(Y−Yc), (Z−Zc)/(Y−Yc))`, is the general one with f = 1 and v negated.
     #[test]
     fn the_marker_camera_is_a_special_case() {
         let centre = [0.2, -4.8, 1.1];

@@ -175,7 +175,7 @@ mod tests {
         );
     }
 
-    /// K13: a solid of which nothing is seen says nothing.
+    /// Relevance of a part (K13): a solid of which nothing is seen says nothing.
     #[test]
     fn what_is_hidden_has_no_weight() {
         let hidden = Looked { region: tally(0, 0, 0.0), edges: Some(tally(0, 0, 0.0)), colour: Some(1.0) };

@@ -1,6 +1,6 @@
 //! What the result folder of a run of several people says of each of them.
 //!
-//! Who was seen stands in the `summary.json` of the whole run; what became of a person's run in that of his own folder, which is there before the whole run ends.
+//! Who was seen stands in the `summary.json` of the whole run; what became of a person's run in that of their own folder, which is there before the whole run ends.
 
 use super::facts::Facts;
 use crate::Error;

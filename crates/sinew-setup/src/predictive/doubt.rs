@@ -4,7 +4,7 @@
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum Doubt {
-    /// A camera's keypoints lie aside for good.
+    /// A camera's keypoints have a constant offset from where they are expected.
     Offset {
         /// Camera.
         camera: String,
@@ -38,18 +38,18 @@ pub enum Doubt {
         /// Correlation that the intervals have been widened for; 0 where none.
         held: f64,
     },
-    /// The set-up found the cameras calibrated aside of each other.
+    /// The set-up found constant offsets of cameras that are large against their noise: the calibrations of the cameras disagree.
     Calibration {
         /// Cameras and their offsets, pixels.
         cameras: Vec<(String, [f64; 2])>,
         /// Standard deviation per axis of the shift of the world that such offsets hide, metres.
         shift_m: f64,
-        /// Whether the intervals have it.
+        /// Whether the intervals of the results include this shift.
         is_in_intervals: bool,
         /// What the other checks of the run say of lengths.
         lengths: Lengths,
     },
-    /// A limb is of another length than the body's.
+    /// A limb's length between the keypoints differs from its length in the body.
     Limb {
         /// Which.
         name: &'static str,
@@ -60,27 +60,27 @@ pub enum Doubt {
     },
 }
 
-/// What a run's own checks say of the lengths of its body.
+/// What a run's checks found about the lengths of the body's limbs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lengths {
-    /// Too few frames show them.
+    /// No limb was measured in enough frames.
     Unchecked,
-    /// None of this number of kinds of limbs is doubted, and no camera sees the body aside.
+    /// So many kinds of limbs (left and right count once) were measured in enough frames; no limb has a wrong length, and no camera has an offset.
     Undoubted(usize),
-    /// A limb is doubted, or a camera sees the body aside.
+    /// There is a [`Doubt::Limb`] or a [`Doubt::Offset`].
     Doubted,
 }
 
-/// Where the numbers of a run come from, which advice depends on.
+/// Where a run has its set-up, its body and its person from: the advice against a doubt depends on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Origins {
     /// Whether the set-up is that of an earlier run.
     pub setup_is_given: bool,
-    /// Whether the body, with its sizes, is that of a file.
+    /// Whether the body was read from a body file; then the set-up does not change its sizes.
     pub body_is_file: bool,
-    /// Number of the person by which the run chose him among several.
+    /// Number of the tracked person, where the run chose one of several by number (`--person`).
     pub person: Option<usize>,
-    /// Whether gross errors have a share of their own in the noise, the setting `outlier`.
+    /// Whether the density of a keypoint has a share of gross errors, so that the setting `outlier` counts.
     pub has_outlier_share: bool,
 }
 
@@ -122,7 +122,7 @@ impl Origins {
     }
 }
 
-/// Correlations that differ by less are the same for the width of intervals.
+/// Correlations that differ by less than this give intervals of nearly the same width.
 const NEARLY: f64 = 0.1;
 
 impl Doubt {

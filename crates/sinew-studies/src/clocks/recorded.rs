@@ -60,7 +60,7 @@ pub(super) struct Walk {
     pub(super) seed: u64,
     pub(super) fps: f64,
     pub(super) seconds: f64,
-    /// Whether he walks on the spot.
+    /// Whether the walker stays on the spot, as on a treadmill.
     pub(super) treadmill: bool,
     pub(super) clocks: Clocks,
 }
@@ -69,7 +69,7 @@ impl Walk {
     /// Writes Calib.toml, keypoints and truth.trc of the recording.
     pub(super) fn write(&self, folder: &Path) -> Outcome<()> {
         let step = (FINE_HZ / self.fps).ceil();
-        // The first second, in which he stands, is left out; a margin on both sides, since clocks are late.
+        // The first second, in which the walker stands, is left out; a margin on both sides, since clocks are late.
         let margin_s = 1.5;
         let gait = Gait { duration_s: self.seconds + 2.0 * margin_s + 1.0, still_s: 0.0, ..Gait::default() };
         let walker = Walker::new(gait);
@@ -122,7 +122,7 @@ fn noise() -> DetectorNoise {
     DetectorNoise { bias_px: 3.0, persistence: 0.6, swapped: 0.01, ..DetectorNoise::DETECTOR_LIKE }
 }
 
-/// Takes the mean way forward away, so that the walker stays where he is.
+/// Takes the mean way forward away, so that the walker stays on the spot.
 fn stay(motion: &mut Trajectories, states: &[Vec<f64>]) {
     let (Some(first), Some(last)) = (states.first(), states.last()) else { return };
     let count = (states.len() - 1).max(1) as f64;

@@ -1,6 +1,6 @@
 //! True gait of walkers, without the program's detector: from the generator's own phases, and from noise-free points.
 //!
-//! *Contacts* are where the load of a foot begins and ends in the generator. *Extrema* are the plain largest and smallest of a thousand points a second, of the noise-free heel and toe relative to the hips along the direction in which he is known to walk. Feet stand where their heel is at [`FLAT_PHASE`]. Of recorded motion ([`recorded`]) extrema are the plain ones among the frames, with a parabola through three of them.
+//! *Contacts* are where the load of a foot begins and ends in the generator. *Extrema* are the plain largest and smallest of a thousand points a second, of the noise-free heel and toe relative to the hips along the direction in which the walker is known to walk. Feet stand where their heel is at [`FLAT_PHASE`]. Of recorded motion ([`recorded`]) extrema are the plain ones among the frames, with a parabola through three of them.
 
 use crate::support::outcome::Outcome;
 use sinew_body::points::{Trajectories, points_of_states};
@@ -111,7 +111,7 @@ pub(super) fn stride(events: &[TrueEvent], start: usize) -> Option<[f64; 10]> {
     let length = (c[0] - a[0]).hypot(c[1] - a[1]);
     let stance = (off.extremum_s - begin.extremum_s) / time;
     let double = (other_off.extremum_s - begin.extremum_s + off.extremum_s - other.extremum_s) / time;
-    // He walks straight ahead.
+    // The walker goes straight ahead.
     let (step, width) = (c[1] - b[1], (b[0] - 0.5 * (a[0] + c[0])).abs());
     let step_s = end.extremum_s - other.extremum_s;
     Some([step, length, width, step_s, time, 120.0 / time, length / time, stance, 1.0 - stance, double])

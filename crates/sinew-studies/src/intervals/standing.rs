@@ -1,13 +1,13 @@
 //! `--static`: somebody whose feet and head rest otherwise than the body's zero pose has them.
 //!
-//! The soles of a simulated walker, in the frames of his feet, rise towards the toes by [`SOLE_DEG`], and his face looks down by [`FACE_DEG`]: as in shoes with heels and by the habit of a neck. Keypoints show the soles and the face, and a tracker takes soles for
-//! level and faces for upright at zero. He stands for the first second, and walks:
+//! The soles of a simulated walker, in the frames of the feet, rise towards the toes by [`SOLE_DEG`], and the face looks down by [`FACE_DEG`]: as in shoes with heels and by the habit of a neck. Keypoints show the soles and the face, and a tracker takes soles for
+//! level and faces for upright at zero. The walker stands for the first second, then walks:
 //!
 //! 1. the whole recording is tracked, as a user would begin;
 //! 2. the standing second again, smoothed, with that set-up: the standing trial;
 //! 3. the rest with that set-up and `--static`.
 //!
-//! The truth of 3 is his true angles less their mean over the standing second; the truth of 1 is his true angles.
+//! The truth of 3 is the walker's true angles less their mean over the standing second; the truth of 1 is the true angles.
 
 use super::angles::{Angles, shares, tallied, true_angles, written};
 use super::protocol::{FIRST_ANGLES, LAYOUT};

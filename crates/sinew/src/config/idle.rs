@@ -1,4 +1,7 @@
-//! Which settings change nothing beside the others.
+//! Which settings change nothing beside the other settings of a run, and because of which one.
+//!
+//! Only a part of this follows from the list of methods: a method's own settings ([`About::settings`]) are idle with every other method. All other conditions are written out in [`idle_beside`], some of them in terms of what the chosen
+//! method is ([`About`]): a setting that is common to all methods needs a line there.
 
 use super::values::SettingValues;
 use crate::methods::{About, Gives, LatentUse};

@@ -192,7 +192,7 @@ impl Resolved {
         other
     }
 
-    /// The run of one of several people, by his number, into a folder of his own.
+    /// The run of one of several people, by their number, into a folder of their own.
     #[must_use]
     pub fn for_person(&self, number: usize, folder: &Path) -> Self {
         let mut other = self.into_folder(folder);

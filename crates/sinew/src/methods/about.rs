@@ -49,7 +49,7 @@ pub struct About {
     pub help: &'static str,
     /// What its draws are.
     pub gives: Gives,
-    /// Whether it moves along gradients: images are then compared by the distance of limbs from contours, which says nothing of what no limb covers and belongs beside keypoints.
+    /// Whether it needs gradients of the likelihood. Images are then compared by the distance of limbs from contours. That says nothing of pixels that no limb covers, so keypoints are needed, too.
     pub needs_gradients: bool,
     /// Whether it takes the body part by part.
     pub needs_parts: bool,
@@ -61,13 +61,13 @@ pub struct About {
     pub score_beside_keypoints: Score,
     /// Number of particles where nobody says how many; `None` for methods without particles.
     pub particles: Option<fn() -> usize>,
-    /// Settings that no other method has.
+    /// Settings that no other method has; idle with every other method ([`crate::config::idle`]).
     pub settings: &'static [Setting],
     /// The method with its default settings.
     pub usual: fn() -> Arc<dyn Method>,
     /// The method with the settings of a run.
     pub configure: fn(&SettingValues) -> Arc<dyn Method>,
-    /// What no setting alone shows: a mistake in its settings, in a sentence.
+    /// A mistake that shows only in several settings together, as a sentence; `None` where there is none.
     pub mistake: fn(&SettingValues) -> Option<String>,
 }
 

@@ -1,6 +1,6 @@
 //! `sinew track` of everybody: who is there, then a run a person, each into a folder of its own.
 //!
-//! A person is tracked as though he were alone, with the same seed: results of one depend on others only where it is decided who is who.
+//! A person is tracked as though they were alone, with the same seed: results of one depend on others only where it is decided who is who.
 //! People are tracked beside each other where there are threads for it.
 
 use super::former_results::{forget_one, forget_people};
@@ -24,7 +24,7 @@ use sinew_results::{Claim, Summary, claim_in, claim_to_resume};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-/// Folder of the tracked person whom two cameras saw in most frames: his set-up knows most of the cameras.
+/// Folder of the tracked person whom two cameras saw in most frames: their set-up knows most of the cameras.
 fn most_seen(out: &Path, roll: &Roll) -> PathBuf {
     let is_tracked = |person: &usize| out.join(person_folder(*person)).join("setup.toml").is_file();
     let most = (0..roll.people.len())
@@ -103,7 +103,7 @@ fn everybody(
     Ok(refused)
 }
 
-/// What is odd, each text once with the people of whom it is said; what is odd about the recording itself is said of nobody.
+/// Warnings of the runs of all people: each text once, with the numbers of the people that it concerns; none for a warning about the recording itself.
 #[derive(Default)]
 struct WarningsOfAll(Vec<(String, Vec<usize>)>);
 
@@ -134,7 +134,7 @@ impl WarningsOfAll {
     }
 }
 
-/// Whether a person cannot be tracked, and others may be.
+/// Whether the error concerns this person alone, so that others may still be tracked.
 const fn is_refusal(error: &Error) -> bool {
     error.file().is_none() && matches!(error, Error::Results(sinew_results::Error::Setup(_)) | Error::Tracking(_))
 }
@@ -182,7 +182,7 @@ struct Tracked {
     complete: bool,
     failed_diagnostics: Vec<String>,
     warnings: Vec<String>,
-    /// What of them is odd about the recording itself.
+    /// Those of the warnings that are about the recording itself.
     about_recording: Vec<String>,
 }
 

@@ -17,7 +17,7 @@ pub(crate) fn setup_frames(config: &TrackConfig, recording: &Footage) -> Result<
     if cut.is_empty() { Err(Error::SetupFrames { asked, available }) } else { Ok(cut) }
 }
 
-/// Frames for the set-up that show a person, or all of his where there are none.
+/// The frames asked for that also show the person (`frames`); all frames of the person where the two have none in common.
 pub(crate) fn within(asked: &Range<u64>, frames: &Range<u64>) -> Range<u64> {
     let both = asked.start.max(frames.start)..asked.end.min(frames.end);
     if both.is_empty() { frames.clone() } else { both }

@@ -1,4 +1,4 @@
-//! Whom a run tracks: everybody, one of several by his number, or the most complete one at the start.
+//! Whom a run tracks: everybody, one of several by number, or the most complete one at the start.
 //!
 //! People are named over the whole recording first, where two cameras or more have keypoints of it for long enough.
 
@@ -17,14 +17,14 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 
-/// Frames in which it is looked whether somebody else is in view.
+/// Number of frames that are searched for a second person in view.
 const LOOKED_AT: usize = 60;
 
 /// Whom a run tracks.
 pub enum Whom {
     /// The most complete one at the start.
     MostComplete,
-    /// One of several, by his place.
+    /// One of several, by their place in the roll.
     One(Roll, usize),
     /// Several.
     Everybody(Roll),

@@ -1,7 +1,7 @@
-//! From a step of a tracker to what is written of it.
+//! From a step of a tracker to the estimate of its frame that is written.
 //!
-//! First what is wanted of a frame while the next one comes: where points and angles are, and how well that is known. Then draws, rates of angles and
-//! what the next frame needs of this one.
+//! In two parts. The first has what a live run answers at once: marginals of points, keypoints and angles. The second adds the draws and the rates of the
+//! angles, and remembers what the next frame needs of this one.
 
 use super::error::TrackError;
 use super::lasting::Lasting;

@@ -1,9 +1,9 @@
-//! What is constant over a run, in every frame's draws.
+//! Adds the uncertainty of what is constant over a run (cameras, lengths, places, biases, lags) to the draws of every frame.
 //!
-//! Tracking takes the set-up's values ĝ of what is constant for true. The set-up also drew how far the truth may be from them ([`crate::setup::MeasuredErrors`]). Draw i of every frame belongs to draw i mod n of these, and so is moved to
-//! where the tracker's estimate would be had that been true: s⁽ⁱ⁾ + J (g⁽ⁱ⁾ − ĝ), with the answer J of the filter linearised at its estimates ([`LastingMoves`]). Longer segments move the points of the body, too.
-//! Errors that persist some frames widen the draws by what the filter, which takes them as independent, does not know ([`PersistentErrors`]). Keypoints alone enter J: beside silhouettes it is too large.
-//! Lags are among them: what late cameras show is put where it would be at the set-up's value ([`Scene`]), and draws of lags move draws of poses.
+//! The tracker computes as if the set-up's values ĝ of the constants were true. The set-up also has n draws g of them ([`crate::setup::MeasuredErrors`]). Draw i of every frame is paired with draw k = i mod n, and its state s⁽ⁱ⁾ is moved to
+//! s⁽ⁱ⁾ + J (g⁽ᵏ⁾ − ĝ), where the tracker's estimate would be if g⁽ᵏ⁾ were true: J is the derivative of the filter's estimate by the constants, from the filter linearised at its estimates ([`LastingMoves`]). Longer segments move the points of the body, too.
+//! Errors that persist over some frames widen the draws further, since the filter takes them as independent ([`PersistentErrors`]). J is computed from keypoints alone; with silhouettes as well it is too large.
+//! Lags are among the constants: what late cameras show is put where it would be at the set-up's lag ([`Scene`]), and draws of lags move the draws of poses.
 
 use super::error::TrackError;
 use super::noted::Noted;
@@ -44,7 +44,7 @@ pub(super) struct Lasting {
     /// Points that are where a detector sees them, with the place of their keypoint.
     detected: Vec<(usize, usize)>,
     pixels_per_metre: Vec<f64>,
-    /// The shift of the world that each draw of the cameras looks like, metres.
+    /// For each draw of the errors of the cameras, the shift of the whole world that looks most like them, metres.
     shifts: Vec<[f64; 3]>,
     /// Variances of the state before the first frame, and of a step.
     initial: Vec<f64>,
@@ -103,7 +103,7 @@ impl Lasting {
         })
     }
 
-    /// Takes in a frame that was tracked, and says where its draws go.
+    /// Takes in a frame that was tracked, and returns by how much each of its draws is to be moved.
     pub(super) fn step(&mut self, noted: &Noted) -> Result<Moved, Error> {
         let Noted { number, shown, info: StepInfo { mean, restarted, .. }, .. } = noted;
         if !self.started || *restarted {
@@ -136,9 +136,9 @@ impl Lasting {
         Ok(moved)
     }
 
-    /// Moments that a backward pass takes of the frame, from its draws': their covariance along the axes of the linearised filter, and what persistent errors add to it.
+    /// Moments of the frame for a backward pass, from the moments `drawn` of its draws: the covariance of the draws along the axes of the linearised filter, plus what persistent errors add to it.
     ///
-    /// That is an estimate, as the covariance is, and their sum need not be a covariance: a direction of negative variance would grow with every step of a backward pass.
+    /// Both terms are estimates, and their sum may have directions of negative variance, which would grow with every step of a backward pass: only its positive part is taken.
     pub(super) fn filtered(&self, drawn: Moments) -> Result<Moments, sinew_dynamics::Error> {
         let mut covariance = along_axes(&drawn.covariance, &self.filter.covariance(), &self.step)?;
         if let Some((_, persistent)) = &self.persistence {
@@ -148,7 +148,7 @@ impl Lasting {
         Ok(Moments { covariance, ..drawn })
     }
 
-    /// Adds draws of what the filter does not know of persistent errors.
+    /// Adds to the states normal draws with mean 0 over the draws and covariance `missing` (d × d, row after row): what persistent errors add to the filter's covariance.
     fn widen(&self, states: &mut Rows, missing: &[f64], number: u32) {
         let dof = self.initial.len();
         let mut normal = vec![Block::ZERO; states.values.len()];
@@ -169,7 +169,7 @@ impl Lasting {
         moved.written(at, states.len() / self.initial.len())
     }
 
-    /// Where draws go that move the state so, at a mean; `moves` has a row of draws for each degree of freedom.
+    /// By how much each draw moves the state, the points and the keypoints, linearised at the state `mean`. `moves` are the moves of the state, degrees of freedom × draws, row after row.
     pub(super) fn moved(&self, mean: &[f64], moves: &[f64]) -> Moved {
         let shifts = self.drawn.keypoint_shifts(&self.keypoints.at(mean));
         self.moved_from(mean, Rows::new(moves, self.draws), shifts)

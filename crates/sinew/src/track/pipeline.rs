@@ -7,10 +7,10 @@
 //! 1. the tracked person is found in each view, near to where the last pose projects ([`sinew_observe::association`]);
 //! 2. the keypoints become the points of the body, and are bound to a likelihood at the predicted pose ([`sinew_observe::keypoints::keypoint_likelihood`]), images likewise;
 //! 3. the tracker steps ([`sinew_tracking::run`]);
-//! 4. beside the next step, its draws, moved by draws of what is constant over the run, become marginals of points and angles.
+//! 4. while the next step runs, the draws of this one are moved by draws of what is constant over the run (cameras, lengths, biases, lags), and summarised as marginals of points and angles.
 //!
 //! Frames without the person continue on the motion prior and are flagged. Someone who was lost for some frames and is found elsewhere restarts the tracker at the pose that fits there.
-//! Nothing is kept but the tracker, one frame and a few numbers a frame, so memory does not grow.
+//! Memory does not grow with the number of frames: kept are the tracker, the frame at hand, the moments of the last few frames (from which rates of angles come), and sums over the frames for the checks.
 
 use super::describe::Describer;
 use super::error::TrackError;
@@ -61,7 +61,7 @@ pub struct Pipeline {
 /// What a pipeline remembers from frame to frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    /// The tracker's numbers; where something is constant its numbers follow, and last how many these are.
+    /// The state of the tracker. In a run with draws of what is constant, the state of that part follows, and as the last number its length.
     tracker: Vec<f64>,
     scene: SceneState,
     images: Option<ImageState>,
@@ -333,7 +333,7 @@ impl<F: FnMut(FrameEstimate, &Posterior<'_>) -> Result<(), Error>> KeepFrames fo
     }
 }
 
-/// A pipeline's way through the frames of a source.
+/// What the loop of [`run`] calls for each frame of a source: the parts of a pipeline besides its tracker, the source, and who keeps the results.
 struct Passage<'a> {
     scene: &'a mut Scene,
     images: &'a mut Option<Images>,
@@ -381,7 +381,7 @@ impl Harness<Observation> for Passage<'_> {
     }
 }
 
-/// Draws of a frame that its keypoints are held against.
+/// Number of draws of a frame about which the residuals of its keypoints are taken.
 const CHECKED_DRAWS: usize = 4;
 
 fn some_draws(seed: u64, frame: u32, posterior: &Posterior<'_>) -> Vec<Vec<f64>> {

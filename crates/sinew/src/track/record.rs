@@ -7,7 +7,7 @@ use sinew_dynamics::backward_pass::FilteredFrame;
 use sinew_dynamics::smoother::BackwardStep;
 use sinew_results::estimate::{FrameEstimate, diagnostics};
 
-/// Sizes of the rows of a run.
+/// What the length of a row depends on, the same in all frames of a run.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RecordShape {
     /// Degrees of freedom.
@@ -20,7 +20,7 @@ pub(super) struct RecordShape {
     pub(super) lasting_draws: usize,
 }
 
-/// A frame of a row.
+/// A frame that was read back from a row.
 pub(super) struct Record {
     /// Its diagnostics and what was seen.
     pub(super) estimate: FrameEstimate,
@@ -31,7 +31,7 @@ pub(super) struct Record {
 }
 
 impl Record {
-    /// What a backward pass takes, with the step back to the frame.
+    /// The frame as a backward pass takes it; `step` leads from the next frame back to this one.
     pub(super) fn filtered<'a>(&'a self, step: &'a BackwardStep) -> FilteredFrame<'a> {
         FilteredFrame { moments: &self.moments, moves: &self.moves, step, is_cut: self.estimate.restarted }
     }
@@ -43,7 +43,7 @@ impl RecordShape {
         diagnostics::count(self.cameras) + 3 * self.cameras * self.keypoints
     }
 
-    /// Numbers of a row.
+    /// Numbers of a row: the header, then mean (d), covariance (d × d) and moves (d × draws).
     pub(super) fn numbers(self) -> usize {
         self.header() + self.dim * (self.dim + 1 + self.lasting_draws)
     }
@@ -58,7 +58,7 @@ impl RecordShape {
         row
     }
 
-    /// Diagnostics and what was seen, of the beginning of a row.
+    /// Diagnostics and what was seen, which stand at the beginning of a row.
     pub(super) fn estimate(self, row: &[f64], fps: f64) -> FrameEstimate {
         let (diagnostics, seen) = row[..self.header()].split_at(diagnostics::count(self.cameras));
         FrameEstimate {

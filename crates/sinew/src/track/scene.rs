@@ -226,7 +226,7 @@ impl Scene {
         self.model.views.iter().map(in_view).collect()
     }
 
-    /// Finds the person in a frame and binds his keypoints; `others` are known to be someone else; `estimate` is the state that the tracker expects. Where he is found for the first time, or again after he was lost, or where `estimate` did not fit the frame before, also the pose that fits what is seen.
+    /// Finds the person in a frame and binds their keypoints; `others` are known to be someone else; `estimate` is the state that the tracker expects. Where they are found for the first time, or again after they were lost, or where `estimate` did not fit the frame before, also the pose that fits what is seen.
     pub fn observe(
         &mut self,
         people: &[Vec<Person>],
@@ -311,7 +311,7 @@ impl Scene {
         self.expected(&self.points(state)).iter().map(by_layout).collect()
     }
 
-    /// Counts how many people each camera shows, whether the tracked one is among them, and how far the first lies from where he is expected.
+    /// Counts how many people each camera shows, whether the tracked one is among them, and how far the first lies from where the tracked one is expected.
     fn odd_people(
         &mut self,
         people: &[Vec<Person>],

@@ -32,7 +32,7 @@ pub(super) fn errors(study: &Study, score: &str, method: &Method, which: &str) -
 /// Errors from the pelvis beyond which the walk is not tracked in a reduced run, millimetres.
 const TRACKED_MM: f64 = 150.0;
 
-/// What a reduced run asserts and does not find: E3, looser forms of E1 and E2 since its series are few, and every setting on the walk.
+/// What a reduced run asserts and does not find: expectation E3, looser forms of E1 and E2 since its series are few, and that every setting tracks the walk.
 pub(super) fn reduced(study: &Study, judged: &[Expectation]) -> Outcome<Vec<String>> {
     let asserted = judged.iter().filter(|e| e.id == "E3" && !e.holds);
     let mut failed: Vec<String> = asserted.map(|e| format!("{}: {}", e.id, e.what)).collect();
@@ -212,7 +212,7 @@ fn judge_film(study: &Study, out: &mut Vec<Expectation>) -> Outcome<()> {
     Ok(())
 }
 
-/// E10, about the score.
+/// Expectation E10: silhouettes compared in both directions against one.
 fn both_directions(study: &Study, plain: &Method) -> Outcome<Expectation> {
     let [one, two] = ["one-sided", "bidirectional"].map(|score| errors(study, score, plain, "relative"));
     let (one, two) = (one?, two?);

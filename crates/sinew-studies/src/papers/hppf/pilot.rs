@@ -1,4 +1,4 @@
-//! The pilot on training motion: is the person kept at all, and if not, which stage loses him.
+//! The pilot on training motion: is the person kept at all, and if not, which stage loses them.
 //!
 //! P = 1000, four cameras, clean masks, three seeds, a walk, a run, and both with half of balancing joined as in CMB, none of which the model has seen. For each variant: errors, limb ratio, and what the true pose, the mean pose and the estimate are worth to the parts' likelihood and to the global
 //! alignment, averaged over the frames.

@@ -136,7 +136,7 @@ mod tests {
     use super::*;
     use std::sync::mpsc::{Receiver, Sender, channel};
 
-    /// Takes a line whenever it is let.
+    /// A writer that takes one line each time the test lets it.
     struct Gate {
         open: Receiver<()>,
         taken: Sender<String>,

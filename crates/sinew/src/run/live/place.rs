@@ -16,7 +16,7 @@ use std::time::Duration;
 pub enum LivePlace {
     /// Standard input; answers go to standard output.
     Standard,
-    /// The first who connects to that address; answers go back to him.
+    /// The first client that connects to that address; answers go back to it.
     Tcp(SocketAddr),
 }
 
@@ -28,7 +28,7 @@ pub struct Streams {
     pub answers: Box<dyn Write + Send>,
 }
 
-/// How often it is looked whether somebody has connected.
+/// Time between two checks for a connection.
 const LOOK: Duration = Duration::from_millis(20);
 
 impl FromStr for LivePlace {
@@ -47,7 +47,7 @@ impl FromStr for LivePlace {
     }
 }
 
-/// Waits for the first who connects to an address.
+/// Waits for the first client that connects to an address.
 ///
 /// # Errors
 /// [`LiveError::Listen`]; an interrupt.

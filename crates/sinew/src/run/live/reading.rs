@@ -13,13 +13,13 @@ use std::sync::Arc;
 /// Bytes of a line at most: a hundred people in a hundred cameras.
 pub(super) const MOST_BYTES: usize = 1 << 24;
 
-/// The number of a line that is no frame otherwise.
+/// The frame number of a line that cannot be read as a frame.
 #[derive(serde::Deserialize)]
 struct Numbered {
     frame: Option<u64>,
 }
 
-/// What a line is held against.
+/// What lines are checked against, and where frames and refusals go.
 pub(super) struct Reading {
     pub(super) cameras: LiveCameras,
     pub(super) layout: Option<Layout>,
