@@ -5,7 +5,7 @@ use super::former_results::forget_people;
 use super::listener::{Listener, PassCounter};
 use super::pieces::{RESUME, calibration, setup_frames, within};
 use super::refined_calibration;
-use super::request::{CameTo, Run};
+use super::request::{CameTo, OneCameTo, Run};
 use super::resume::{Start, stopped_run};
 use super::settings::reading;
 use super::threads::{wanted, with_threads};
@@ -53,10 +53,10 @@ pub(crate) fn track<S: FrameSource + Send>(
     if let Some(path) = &request.write_calibration {
         refined_calibration::write(path, &config, run.calibration, listener)?;
     }
-    if let CameTo::One(_) = came_to {
+    if let OneCameTo::Tracked(_) = came_to {
         sinew_results::forget_derived(&config.out)?;
     }
-    Ok(came_to)
+    Ok(came_to.into())
 }
 
 /// One run into its own folder, without anything besides; of one of several people, if they are named.
@@ -96,7 +96,7 @@ pub(crate) fn tracked<S: FrameSource + Send>(
     threads: usize,
     listener: &dyn Listener,
     progress: &mut (dyn FnMut(RunPhase, u64, u64) + Send),
-) -> Result<CameTo, Error> {
+) -> Result<OneCameTo, Error> {
     let stop = listener.stop();
     let mut watch = Watch { progress, stop: &stop };
     let (claim, from) = match start {
@@ -105,9 +105,9 @@ pub(crate) fn tracked<S: FrameSource + Send>(
         Start::Complete(claim, summary) => {
             job::check_complete(source, setup_frames, resolved, claim.folder(), &summary, &mut watch)?;
             ResultFolder::forget(&claim)?;
-            return Ok(CameTo::Complete(summary));
+            return Ok(OneCameTo::Complete(summary));
         }
     };
     let run = || job::track(source, setup_frames, resolved, claim, &mut watch, from);
-    Ok(CameTo::One(Box::new(with_threads(threads, run)?)))
+    Ok(OneCameTo::Tracked(Box::new(with_threads(threads, run)?)))
 }

@@ -8,7 +8,7 @@ use super::listener::{Counter, Listener};
 use super::one_person::tracked;
 use super::pieces::{setup_frames, within};
 use super::refined_calibration;
-use super::request::{CameTo, Run};
+use super::request::{OneCameTo, Run};
 use super::resume::{Start, stopped_or_begun};
 use super::settings::reading;
 use super::threads::{beside_each_other, wanted};
@@ -208,16 +208,15 @@ fn one(
     let mut source = OnePerson { source: &mut recording, roll, person };
     let mut at = |pass, done, _| progress.at(person, pass, done);
     match tracked(&mut source, frames, &resolved, start, threads, run.listener, &mut at)? {
-        CameTo::One(outcome) => {
+        OneCameTo::Tracked(outcome) => {
             let Summary { complete, failed_diagnostics, warnings, .. } = outcome.summary;
             Ok(Tracked { complete, failed_diagnostics, warnings, about_recording: recording.warnings() })
         }
-        CameTo::Complete(summary) => {
+        OneCameTo::Complete(summary) => {
             progress.done(person, seen.end - seen.start, config.smooth);
             let failed_diagnostics = texts(&summary, "failed_diagnostics");
             Ok(Tracked { complete: true, failed_diagnostics, warnings: vec![], about_recording: vec![] })
         }
-        CameTo::Several(_) => unreachable!("one person was tracked"),
     }
 }
 

@@ -41,6 +41,24 @@ pub enum CameTo {
     Several(PeopleSummary),
 }
 
+/// What the run of one person came to.
+#[derive(Debug)]
+pub(crate) enum OneCameTo {
+    /// They were tracked.
+    Tracked(Box<Outcome>),
+    /// Results were complete before; their summary.
+    Complete(serde_json::Value),
+}
+
+impl From<OneCameTo> for CameTo {
+    fn from(came_to: OneCameTo) -> Self {
+        match came_to {
+            OneCameTo::Tracked(outcome) => Self::One(outcome),
+            OneCameTo::Complete(summary) => Self::Complete(summary),
+        }
+    }
+}
+
 /// What stays the same over a run, from person to person.
 #[derive(Clone, Copy)]
 pub(crate) struct Run<'a> {
