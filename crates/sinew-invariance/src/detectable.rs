@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn of_every_kind_the_hardest_is_named() {
+    fn the_hardest_error_of_every_kind_is_named() {
         let of = |name: &str, what, size| Detectable { of: name.into(), what, size };
         let all = [of("a", Wrong::Mean, 0.1), of("b", Wrong::Mean, 0.2), of("c", Wrong::StandardDeviation, 0.031)];
         let text: Vec<String> = hardest(&all).map(ToString::to_string).collect();

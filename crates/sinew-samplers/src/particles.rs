@@ -99,7 +99,7 @@ impl Particles {
 
     /// The states without their weights.
     pub(crate) fn population(&self) -> Population {
-        Population::of_blocks(self.dim(), self.count(), self.states().to_vec())
+        Population::from_state_blocks(self.dim(), self.count(), self.states().to_vec())
     }
 
     /// Dimension of the state.

@@ -89,7 +89,7 @@ impl Population {
     }
 
     /// Of blocks of states, `count` of them in use.
-    pub(crate) const fn of_blocks(dim: usize, count: usize, states: Vec<Block>) -> Self {
+    pub(crate) const fn from_state_blocks(dim: usize, count: usize, states: Vec<Block>) -> Self {
         Self { dim, count, states }
     }
 

@@ -33,7 +33,7 @@ impl Run {
     ///
     /// # Errors
     /// [`Error::Length`] for states that do not fill the chains.
-    pub fn of_chains(names: Vec<String>, chains: usize, states: Vec<f64>) -> Result<Self, Error> {
+    pub fn from_chains(names: Vec<String>, chains: usize, states: Vec<f64>) -> Result<Self, Error> {
         let expected = states.len() / (names.len() * chains).max(1) * names.len() * chains;
         if states.is_empty() || states.len() != expected {
             return Err(Error::Length { what: "the states of all chains", found: states.len(), expected });
@@ -46,7 +46,7 @@ impl Run {
     }
 
     /// Chains of blocks of lanes.
-    pub(crate) fn of_blocks(names: Vec<String>, draws: &ChainDraws) -> Self {
+    pub(crate) fn from_blocks(names: Vec<String>, draws: &ChainDraws) -> Self {
         let (dim, chains, kept) = (draws.dim, draws.chains, draws.stats.len() / draws.chains.max(1));
         let order = || (0..chains).flat_map(move |chain| (0..kept).map(move |r| r * chains + chain));
         let states = order().flat_map(|index| {
@@ -121,7 +121,7 @@ mod tests {
     #[test]
     fn draws_are_chain_after_chain() {
         let states = (0..12).map(f64::from).collect();
-        let run = Run::of_chains(vec!["a".into(), "b".into()], 2, states).expect("two chains of three draws");
+        let run = Run::from_chains(vec!["a".into(), "b".into()], 2, states).expect("two chains of three draws");
         assert_eq!((run.dim(), run.draws(), run.state(1, 0)), (2, 3, &[6.0, 7.0][..]));
         assert_eq!(run.series(1), [[1.0, 3.0, 5.0], [7.0, 9.0, 11.0]]);
         assert_eq!(run.chain_stats(1).len(), 3);
@@ -130,7 +130,7 @@ mod tests {
         for (names, states) in
             [(vec!["a".into()], vec![]), (vec!["a".into(), "b".into()], vec![0.0; 10]), (vec![], vec![1.0])]
         {
-            assert!(matches!(Run::of_chains(names, 2, states), Err(Error::Length { .. })));
+            assert!(matches!(Run::from_chains(names, 2, states), Err(Error::Length { .. })));
         }
     }
 }

@@ -160,7 +160,7 @@ impl Plan<'_> {
             acceptance: self.acceptance,
             max_depth: self.max_depth,
             keep_draws: self.keep_warm_up,
-            ..warm_up::Config::of_length(self.warm_up)?
+            ..warm_up::Config::with_length(self.warm_up)?
         };
         let mut warmed = warm_up(target, &blocks(&states, width), self.chains, &config, isa, &warming)?;
         let windows = std::mem::take(&mut warmed.draws);
@@ -174,7 +174,7 @@ impl Plan<'_> {
 
 /// The windows of a warm-up as one run.
 fn joined(names: Vec<String>, windows: &[ChainDraws]) -> Run {
-    let windows: Vec<Run> = windows.iter().map(|draws| Run::of_blocks(names.clone(), draws)).collect();
+    let windows: Vec<Run> = windows.iter().map(|draws| Run::from_blocks(names.clone(), draws)).collect();
     let mut all =
         Run { names, chains: windows.first().map_or(0, |run| run.chains), step_size: f64::NAN, ..Run::default() };
     for chain in 0..all.chains {
@@ -193,5 +193,5 @@ pub(crate) fn named(density: &dyn Density, draws: &ChainDraws) -> Result<Run, Er
     if names.len() != expected {
         return Err(Error::Length { what: "the list of names", found: names.len(), expected });
     }
-    Ok(Run::of_blocks(names, draws))
+    Ok(Run::from_blocks(names, draws))
 }

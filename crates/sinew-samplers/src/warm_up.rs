@@ -53,7 +53,7 @@ impl Default for Config {
     }
 }
 
-/// Fewest transitions of [`Config::of_length`].
+/// Fewest transitions of [`Config::with_length`].
 pub const SHORTEST: usize = 170;
 
 impl Config {
@@ -61,7 +61,7 @@ impl Config {
     ///
     /// # Errors
     /// [`Error::OutOfRange`] for fewer than [`SHORTEST`], of which no metric can be learned.
-    pub fn of_length(transitions: usize) -> Result<Self, Error> {
+    pub fn with_length(transitions: usize) -> Result<Self, Error> {
         if transitions < SHORTEST {
             let (name, value) = ("number of warm-up transitions", transitions as f64);
             return Err(Error::OutOfRange { name, value, expected: "must be at least 170" });

@@ -232,7 +232,7 @@ fn a_run_that_fails_says_so() {
 }
 
 #[test]
-fn what_cannot_be_sampled_is_refused() {
+fn targets_that_cannot_be_sampled_are_refused() {
     let with = |settings: nuts::Settings| nuts::sample(&Correlated, settings).expect_err("refused");
     let good = || nuts::Settings { draws: 10, warm_up: 200, ..Default::default() };
     assert_eq!(with(nuts::Settings { chains: 0, ..good() }), Error::Empty { count: 0, dim: 3 });

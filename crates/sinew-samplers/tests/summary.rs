@@ -12,7 +12,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 fn stored() -> (Value, Run) {
     let stored: Value = serde_json::from_str(include_str!("data/summary_by_arviz.json")).expect("JSON");
     let names = vec!["slow".into(), "skew".into()];
-    let mut run = Run::of_chains(names, 3, numbers(&stored["chains"])).expect("three chains of 60 draws");
+    let mut run = Run::from_chains(names, 3, numbers(&stored["chains"])).expect("three chains of 60 draws");
     run.stats.iter_mut().zip(numbers(&stored["energy"])).for_each(|(stat, energy)| stat.energy = energy);
     (stored, run)
 }
@@ -44,7 +44,7 @@ fn a_summary_has_the_numbers_of_arviz() {
 }
 
 #[test]
-fn what_speaks_against_draws_is_said() {
+fn draws_that_disagree_are_warned_of() {
     let (_, mut run) = stored();
     run.stats.iter_mut().step_by(2).for_each(|stat| stat.divergent = true);
     run.stats[0].depth = 10;
@@ -71,6 +71,6 @@ fn what_speaks_against_draws_is_said() {
 /// Chains that stand still have no R̂; that is no agreement.
 #[test]
 fn chains_that_never_move_do_not_hold() {
-    let summary = Run::of_chains(vec!["x".into()], 2, vec![1.0; 100]).expect("two chains").summary();
+    let summary = Run::from_chains(vec!["x".into()], 2, vec![1.0; 100]).expect("two chains").summary();
     assert!(matches!(&summary.warnings[..], [RunWarning::RHat { value, .. }, ..] if value.is_nan()), "{summary}");
 }

@@ -193,7 +193,7 @@ fn a_model_may_write_its_blocks() {
 
 /// Frame and reason are named.
 #[test]
-fn what_cannot_be_filtered_is_refused() {
+fn models_that_cannot_be_filtered_are_refused() {
     let with = |change: &dyn Fn(&mut Settings)| {
         let mut settings = Settings::default();
         change(&mut settings);

@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn what_another_room_re_exports_ties_to_the_room_too() {
+    fn a_re_export_ties_to_the_room_that_hands_it_on() {
         let texts = |error: &'static str| {
             [
                 ("lib.rs", "mod a; mod error; pub use error::Error;"),

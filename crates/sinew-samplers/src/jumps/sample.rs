@@ -70,7 +70,7 @@ pub fn sample(density: &dyn Density, settings: Settings) -> Result<Run, Error> {
         let dim = warm.full.dim();
         let fit = |draws: &ChainDraws| {
             // Chain after chain, so that components start in different ones.
-            let run = Run::of_blocks(density.names(), draws);
+            let run = Run::from_blocks(density.names(), draws);
             let states: Vec<Vec<f64>> = run.iter().map(<[f64]>::to_vec).collect();
             // Chains that stay in modes of their own tell much of the modes: each is worth what it is alone.
             let alone = |j: usize| run.series(j).iter().map(|chain| effective_sample_size(&[chain])).sum::<f64>();
