@@ -120,11 +120,9 @@ impl Lbfgs {
         }
     }
 
-    /// −H g by the two loops over the pairs, H scaled by the newest; without pairs −g, shortened to a sum of entries of at most one, so that the slope is finite wherever g is.
+    /// −H g by the two loops over the pairs, H scaled by the newest; without pairs −g.
     fn direction(&self) -> Vec<f64> {
-        let steep: f64 = self.gradient.iter().map(|g| g.abs()).sum();
-        let first = if self.pairs.is_empty() { steep.recip().min(1.0) } else { 1.0 };
-        let mut direction: Vec<f64> = self.gradient.iter().map(|g| -g * first).collect();
+        let mut direction: Vec<f64> = self.gradient.iter().map(|g| -g).collect();
         let mut along = Vec::with_capacity(MEMORY);
         for (s, y) in self.pairs.iter().rev() {
             let a = dot(s, &direction) / dot(s, y);
@@ -143,11 +141,18 @@ impl Lbfgs {
     /// The search along the next direction.
     #[must_use]
     pub fn line_search(&self) -> LineSearch {
-        let direction = self.direction();
+        let mut direction = self.direction();
+        let mut length = 1.0;
+        if self.pairs.is_empty() {
+            // Straight down, at most one long in the sum of its entries. A power of two makes the direction short, so that its slope is finite wherever the gradient is, and rounds nothing.
+            let short = (-self.steepness().log2().ceil().max(0.0)).exp2();
+            direction.iter_mut().for_each(|d| *d *= short);
+            length = self.gradient.iter().map(|g| g.abs()).sum::<f64>().recip().min(1.0) / short;
+        }
         let start = Trial { length: 0.0, value: self.value, slope: dot(&direction, &self.gradient) };
         let (tried, best) = (self.x.clone(), (Vec::new(), Vec::new()));
-        let promised = -0.5 * start.slope;
-        LineSearch { direction, start, low: start, high: None, length: 1.0, promised, trials: 0, tried, best }
+        let promised = -0.5 * length * start.slope;
+        LineSearch { direction, start, low: start, high: None, length, promised, trials: 0, tried, best }
     }
 
     /// Goes to the lowest point of a search; false where it found none below the start.
