@@ -42,8 +42,8 @@ use std::path::Path;
 use walk::Walk;
 
 /// What is said of results without `--smooth`; shares as measured in docs/evidence/gait.md at 60 frames a second.
-const FILTERED: &str = "track with `--smooth`: of filtered results 81 to 84 % of the events lie inside their 90 % \
-     intervals where errors of keypoints persist, as they do in recordings, of smoothed ones 90 to 92 %";
+const FILTERED: &str = "track with `--smooth`: of filtered results 79 to 86 % of the events lie inside their 90 % \
+     intervals where errors of keypoints persist, as they do in recordings, of smoothed ones 91 to 95 %";
 
 /// The gait in a result folder.
 ///

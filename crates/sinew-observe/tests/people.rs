@@ -184,7 +184,7 @@ fn the_second_person_is_followed_lost_and_found_by_his_limbs() {
     // Both have nine keypoints: the one found first is the one with the smaller error, so the person is selected by place.
     let cameras = cameras();
     let first = groups(&cameras, &frame(&cameras, Some(0.3)), 2, &Config::default());
-    let person = first.iter().position(|g| g.members[0] == Some(1)).expect("he is seen");
+    let person = first.iter().position(|g| g.members[0] == Some(1)).expect("the person is seen");
     let mut following = Following { person, lengths, ..Following::default() };
     let there = |n: usize| vec![Some(0.3); n];
     assert_eq!(followed(&mut following, &there(2)), [(Some(1), 0); 2]);

@@ -33,7 +33,7 @@ pub enum ResultsError {
     #[error("`{}` holds no results of a run that came to its end: summary.json is missing", .0.display())]
     NoSummary(PathBuf),
     /// Results of several people where one person is needed.
-    #[error("{}: results of several people, each in a folder of his own", .0.display())]
+    #[error("{}: results of several people, each in a folder of their own", .0.display())]
     SeveralPeople(PathBuf),
     /// Frames that the results do not have.
     #[error("{} were requested; the results have {}", frames(asked.as_ref()), available.as_ref().map_or_else(|| "none".into(), span))]

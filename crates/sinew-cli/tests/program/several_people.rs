@@ -150,7 +150,7 @@ fn a_number_chooses_the_person_of_the_folder_of_that_number() {
         &["6 frames are less than a quarter of a second, too few"],
     );
     let each =
-        ["results of several people, each in a folder of his own", "give one of them, for example `whole/people/01`"];
+        ["results of several people, each in a folder of their own", "give one of them, for example `whole/people/01`"];
     refused(&["gait", "whole"], 2, &each);
     refused(&["predict", "whole", "--calibration=Calib.toml", "--camera=C1", "-op.csv"], 2, &each);
     refused(&["convert", "whole", "whole.bvh"], 2, &each);

@@ -39,7 +39,7 @@ impl DrawsKind {
 
     const fn draw_meaning(self) -> &'static str {
         match self {
-            Self::Filtered => "equal-weight draws, resampled anew per frame: a draw index means nothing across frames",
+            Self::Filtered => "equal-weight draws, resampled again per frame: a draw index means nothing across frames",
             Self::FixedLag => "equal-weight draws given some later frames: a draw index means nothing across frames",
             Self::Smoothed => "equal-weight draws: one draw index is one trajectory over all frames",
         }

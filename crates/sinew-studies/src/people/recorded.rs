@@ -80,7 +80,7 @@ fn distances(program: &Program, data: &Path, seeds: u64) -> Outcome<Vec<[Vec<f64
 /// The table of a real recording.
 pub(crate) fn table(program: &Program, data: &Path, seeds: u64) -> Outcome<String> {
     let mut text = String::from(
-        "| person | all in one run, mm | bound of the task, mm | | a run of his own (`--person`), mm |\n|---|---|---|---|---|\n",
+        "| person | all in one run, mm | bound of the task, mm | | a run of their own (`--person`), mm |\n|---|---|---|---|---|\n",
     );
     for ((_, who, bound), [together, alone]) in REFERENCES.iter().zip(&distances(program, data, seeds)?) {
         let met = verdict(mean(together) <= *bound);

@@ -107,7 +107,7 @@ fn track() -> Result<Tracked, Box<dyn Error>> {
 
 fn draw(tracked: &Tracked) -> Result<String, Box<dyn Error>> {
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" width=\"{WIDTH}\" height=\"{HEIGHT}\" role=\"img\" aria-label=\"A tracked walker and the flexion of his knee, with uncertainty\">\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" width=\"{WIDTH}\" height=\"{HEIGHT}\" role=\"img\" aria-label=\"A tracked walker and the flexion of a knee, with uncertainty\">\n\
          <style>{STYLE}</style>\n<rect width=\"{WIDTH}\" height=\"{HEIGHT}\" rx=\"8\" fill=\"#fff\"/>\n"
     );
     let camera = tracked.recording.cameras.get(CAMERA).ok_or("no such camera")?;
