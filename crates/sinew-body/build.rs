@@ -27,8 +27,7 @@ fn main() -> io::Result<()> {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=src");
     let adult = Proportions::default();
-    let bodies =
-        [("cf28", standard::cf28(&adult)), ("h32", standard::h32(&adult)), ("problem28", standard::problem28())];
+    let bodies = [("cf28", standard::cf28(&adult)), ("h32", standard::h32(&adult))];
     let out = env::var("OUT_DIR").map_err(io::Error::other)?;
     fs::write(Path::new(&out).join("straight_line.rs"), straight_line::source(&bodies))
 }

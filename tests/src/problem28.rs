@@ -13,8 +13,8 @@ use sinew::core::combinators::Sum;
 use sinew::core::density::Lanes;
 use sinew::core::lanes::Isa;
 use sinew::dynamics::mixture::Mixture;
-use sinew::observe::keypoints::marker_views::{MarkerView, MarkerViewsLikelihood, MarkerViewsModel};
-use sinew::observe::{MarkerLikelihood, MarkerModel, ObservationModel};
+use sinew::observe::ObservationModel;
+use sinew_markers::{MarkerLikelihood, MarkerModel, MarkerView, MarkerViewsLikelihood, MarkerViewsModel};
 use std::sync::Arc;
 
 /// The posterior of the problem.
@@ -207,39 +207,6 @@ mod tests {
     use super::*;
     use sinew::core::density::{GradLogDensity, LogDensity};
     use sinew::core::lanes::Block;
-
-    #[test]
-    fn the_body_of_the_file_is_the_built_in_one() {
-        assert_eq!(load().tree, sinew::body::standard::problem28());
-    }
-
-    #[test]
-    fn straight_line_code_and_walk_give_the_same_density() {
-        let problem = load();
-        for isa in Isa::available() {
-            let straight = problem.likelihood(isa);
-            let frame: Vec<_> = problem.observations.iter().copied().map(Some).collect();
-            let plan = Arc::new(Plan::with_all_points(&problem.tree).without_straight_line());
-            let walk = MarkerModel { plan, centre: problem.camera_centre, sigma: problem.sigma, isa }.bind(&frame);
-            for reference in &problem.references {
-                let block: Vec<Block> = reference.state.iter().map(|&x| Block::splat(x)).collect();
-                let run = |target: &dyn GradLogDensity| {
-                    let mut grad = vec![Block::ZERO; 28];
-                    let value =
-                        target.log_density_grad_block(&block, &mut grad, &mut vec![Block::ZERO; target.workspace()]);
-                    let same = target.log_density_block(&block, &mut vec![Block::ZERO; target.workspace()]);
-                    (value.0[2], same.0[2], grad)
-                };
-                let ((value, alone, grad), (expected, _, expected_grad)) = (run(&straight), run(&walk));
-                let bound = 1e-12 * expected.abs().max(1.0);
-                assert!((value - expected).abs() <= bound && (alone - expected).abs() <= bound, "{value} {expected}");
-                let largest = expected_grad.iter().fold(1.0_f64, |m, g| m.max(g.0[2].abs()));
-                for (g, e) in grad.iter().zip(&expected_grad) {
-                    assert!((g.0[2] - e.0[2]).abs() <= 1e-12 * largest, "{} {}", g.0[2], e.0[2]);
-                }
-            }
-        }
-    }
 
     #[test]
     fn reference_points_are_reproduced_by_one_state_and_by_blocks_on_every_instruction_set() {

@@ -11,9 +11,10 @@ use sinew::core::part::Part;
 use sinew::core::random::BlockRng;
 use sinew::dynamics::gaussian::Gaussian;
 use sinew::dynamics::prior::Prior;
-use sinew::observe::{MarkerLikelihood, MarkerModel, ObservationModel};
+use sinew::observe::ObservationModel;
 use sinew_invariance::TestFunctions;
 use sinew_invariance::draws::normals;
+use sinew_markers::{MarkerLikelihood, MarkerModel};
 use std::sync::Arc;
 
 /// Posterior of a part of CF28, the rest held still, from its markers in one camera: prior N(0, 0.15² I) about a pose.

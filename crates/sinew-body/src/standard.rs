@@ -214,47 +214,6 @@ pub fn h32(p: &Proportions) -> KinematicTree {
     built(links, points)
 }
 
-/// Body of the fixed benchmark problem: CF28's links and counts with other axes of the pelvis, sizes and markers.
-///
-/// # Panics
-/// Never: its sizes are fixed.
-#[must_use]
-pub fn problem28() -> KinematicTree {
-    let p = Proportions {
-        spine: 0.55,
-        shoulder_height: 0.48,
-        // Left of this body is +x.
-        shoulder_half_width: -0.18,
-        hip_half_width: -0.10,
-        pelvis_drop: 0.08,
-        upper_arm: 0.29,
-        thigh: 0.43,
-        ..Proportions::default()
-    };
-    let mut links = cf28_links(&p);
-    links[7].joints = [Axis::Y, Axis::X].map(Joint::Rotate).to_vec();
-    let points = vec![
-        point("sacrum", 0, [0.0, 0.08, 0.02]),
-        point("sternum", 0, [0.0, -0.10, 0.38]),
-        point("c7", 0, [0.0, 0.05, 0.52]),
-        point("head_top", 1, [0.0, 0.0, 0.24]),
-        point("nose", 1, [0.0, -0.10, 0.12]),
-        point("l_shoulder", 2, [0.20, 0.0, 0.04]),
-        point("r_shoulder", 2, [-0.20, 0.0, 0.04]),
-        point("l_elbow", 3, [0.03, 0.01, -0.29]),
-        point("r_elbow", 5, [-0.03, 0.01, -0.29]),
-        point("l_wrist", 4, [0.0, 0.02, -0.26]),
-        point("r_wrist", 6, [0.0, 0.02, -0.26]),
-        point("l_hip", 7, [0.14, -0.02, -0.05]),
-        point("r_hip", 7, [-0.14, -0.02, -0.05]),
-        point("l_knee", 8, [0.04, -0.02, -0.43]),
-        point("r_knee", 10, [-0.04, -0.02, -0.43]),
-        point("l_ankle", 9, [0.03, 0.02, -0.42]),
-        point("r_ankle", 11, [-0.03, 0.02, -0.42]),
-    ];
-    built(links, points)
-}
-
 /// The fifteen joints of pose evaluation, by point name: pelvis, neck base, then the twelve of the limbs: shoulders, elbows, wrists, hips, knees, ankles; last the head top.
 pub const EVALUATION_JOINTS: [&str; 15] = [
     "MidHip",
@@ -279,21 +238,6 @@ mod tests {
     use super::*;
     use crate::kinematics::{Plan, point_positions};
     use sinew_core::lanes::Isa;
-
-    #[test]
-    fn the_body_of_the_benchmark_has_its_sizes() {
-        let tree = problem28();
-        for (name, offset) in [
-            ("head", [0.0, 0.0, 0.55]),
-            ("girdle", [0.0, 0.0, 0.48]),
-            ("l_upper_arm", [0.18, 0.0, 0.0]),
-            ("r_forearm", [0.0, 0.0, -0.29]),
-            ("r_thigh", [-0.10, 0.0, -0.08]),
-            ("l_shin", [0.0, 0.0, -0.43]),
-        ] {
-            assert_eq!(tree.links()[tree.link_index(name).expect("a link")].offset, offset, "{name}");
-        }
-    }
 
     /// At the zero pose every point whose name begins with a side is the mirror image in x of its fellow, and all others lie in the middle.
     #[test]

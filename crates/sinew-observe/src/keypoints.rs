@@ -4,8 +4,6 @@ pub mod bystanders;
 pub mod exchanged_limbs;
 pub mod keypoint_likelihood;
 pub mod keypoint_model;
-pub mod marker_likelihood;
-pub mod marker_views;
 pub mod mistakes;
 pub mod pixel_fit;
 pub mod sighting;

@@ -15,8 +15,6 @@ pub use cameras::lens::Lens;
 pub use error::Error;
 pub use keypoints::keypoint_likelihood::KeypointLikelihood;
 pub use keypoints::keypoint_model::{Detection, KeypointFrame, KeypointModel, View};
-pub use keypoints::marker_likelihood::{MarkerLikelihood, MarkerModel};
-pub use keypoints::marker_views::{MarkerView, MarkerViewsLikelihood, MarkerViewsModel};
 pub use keypoints::mistakes::Mistakes;
 pub use keypoints::sighting::Noise;
 pub use model::ObservationModel;

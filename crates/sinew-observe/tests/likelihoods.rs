@@ -1,13 +1,13 @@
 //! Gradients, curvature and lanes of the likelihoods, on random poses of the standard bodies.
 
 use proptest::prelude::*;
-use sinew_body::standard::{cf28, h32};
+use sinew_body::standard::h32;
 use sinew_body::{Plan, Proportions, point_jacobian, point_positions};
 use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
 use sinew_core::lanes::{Block, Isa, LANES, set_lane, triangle};
 use sinew_observe::cameras::lens::{Brown, Fisheye, Lens, Rational};
 use sinew_observe::{
-    Camera, Detection, Intrinsics, KeypointFrame, KeypointModel, MarkerModel, Mistakes, Noise, ObservationModel, View,
+    Camera, Detection, Intrinsics, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View,
 };
 use std::sync::Arc;
 
@@ -141,14 +141,6 @@ fn pose(d: usize) -> impl Strategy<Value = Vec<f64>> {
 
 const NOISES: [Noise; 2] = [Noise::OutlierFloor { outlier: 0.02 }, Noise::StudentT { degrees: 4.0 }];
 
-fn markers(isa: Isa) -> impl GaussNewton {
-    let plan = Arc::new(Plan::with_all_points(&cf28(&Proportions::default())));
-    let model = MarkerModel { plan, centre: [0.1, -4.8, 1.0], sigma: 0.003, isa };
-    let frame: Vec<_> =
-        (0..17).map(|k| (k != 3).then(|| [0.003 * f64::from(k) - 0.02, 0.01 * f64::from(k) - 0.1])).collect();
-    model.bind(&frame)
-}
-
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(40))]
 
@@ -175,53 +167,12 @@ proptest! {
     }
 
     #[test]
-    fn marker_gradient_agrees_with_central_differences(q in pose(28)) {
-        check_gradient(&markers(Isa::best()), &q);
-    }
-
-    #[test]
     fn block_and_single_state_agree_on_every_instruction_set(q in pose(32)) {
         for noise in NOISES {
             check_lanes(|isa| keypoints(noise, isa).1, &q);
         }
-        check_lanes(markers, &q[..28]);
     }
 
-    /// Curvature (K5): the diagonal is the squared column norm of the numerical Jacobian of the projected markers.
-    #[test]
-    fn marker_curvature_agrees_with_the_numerical_jacobian(q in pose(28)) {
-        let tree = cf28(&Proportions::default());
-        let plan = Plan::with_all_points(&tree);
-        let images = |q: &[f64]| -> Vec<f64> {
-            let mut p = vec![0.0; 3 * plan.points()];
-            point_positions(&plan, Isa::best(), q, &mut p);
-            (0..17)
-                .filter(|&k| k != 3)
-                .flat_map(|k| {
-                    let y = p[3 * k + 1] + 4.8;
-                    [(p[3 * k] - 0.1) / y, (p[3 * k + 2] - 1.0) / y]
-                })
-                .collect()
-        };
-        let density = markers(Isa::best());
-        let block: Vec<Block> = q.iter().map(|&x| Block::splat(x)).collect();
-        let mut diagonal = vec![Block::ZERO; 28];
-        density.gauss_newton_diagonal_block(&block, &mut diagonal, &mut vec![Block::ZERO; density.workspace()]);
-        let all: Vec<f64> = (0..28)
-            .map(|j| {
-                let at = |h: f64| {
-                    let mut q = q.clone();
-                    q[j] += h;
-                    images(&q)
-                };
-                at(1e-6).iter().zip(at(-1e-6)).map(|(a, b)| ((a - b) / 2e-6).powi(2)).sum::<f64>() / (0.003 * 0.003)
-            })
-            .collect();
-        let largest = all.iter().fold(0.0_f64, |m, &x| m.max(x));
-        for (found, expected) in diagonal.iter().zip(all) {
-            prop_assert!((found.0[1] - expected).abs() < 1e-7 * largest, "{} against {expected}", found.0[1]);
-        }
-    }
 }
 
 /// The keypoint curvature is that of the same sum over sightings, with every sighting at full weight.
@@ -376,13 +327,6 @@ fn the_density_is_the_sum_over_sightings_written_out() {
         assert!((found - expected).abs() < 1e-9 * expected.abs(), "{noise:?}, {shift}: {found} against {expected}");
         check_gradient(&density, &q);
     }
-}
-
-#[test]
-fn a_marker_behind_the_camera_makes_the_density_vanish() {
-    let mut q = vec![0.0; 28];
-    q[1] = -6.0;
-    assert_eq!(markers(Isa::best()).log_density(&q), f64::NEG_INFINITY);
 }
 
 #[test]

@@ -14,16 +14,14 @@ use sinew::core::toy::Quadratic;
 use sinew::dynamics::gaussian::Gaussian;
 use sinew::dynamics::mixture::Mixture;
 use sinew::dynamics::prior::Prior;
-use sinew::observe::{
-    Camera, Detection, KeypointFrame, KeypointModel, MarkerLikelihood, MarkerModel, Mistakes, Noise, ObservationModel,
-    View,
-};
+use sinew::observe::{Camera, Detection, KeypointFrame, KeypointModel, Mistakes, Noise, ObservationModel, View};
 use sinew::samplers::chains::{Schedule, draw_trajectories};
 use sinew::samplers::hmc::Hmc;
 use sinew::samplers::integrator::{End, PhasePoint};
 use sinew::samplers::laplace::laplace;
 use sinew::samplers::metric::{Dense, Metric};
 use sinew::samplers::starts::laplace_starts;
+use sinew_markers::{MarkerLikelihood, MarkerModel};
 use sinew_tests::problem28;
 use std::sync::Arc;
 

@@ -5,8 +5,9 @@ use proptest::prelude::*;
 use sinew::body::{Axis, Joint, KinematicTree, Link, Plan, Point};
 use sinew::core::density::GradLogDensity;
 use sinew::core::lanes::Isa;
-use sinew::observe::{MarkerModel, ObservationModel};
+use sinew::observe::ObservationModel;
 use sinew_invariance::{Differences, gradient, strategies};
+use sinew_markers::MarkerModel;
 use std::sync::Arc;
 
 /// The nearest axis of the coordinate frame: joints here turn about those.

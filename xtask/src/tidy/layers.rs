@@ -5,7 +5,7 @@ use crate::source::{Token, lines_with};
 use std::collections::BTreeSet;
 
 /// What each crate may depend on, of ours, from the lowest up; `*` is all above its row.
-const LAYERS: [(&str, &str); 26] = [
+const LAYERS: [(&str, &str); 27] = [
     ("core", ""),
     ("body", "core"),
     ("observe", "body core"),
@@ -27,6 +27,7 @@ const LAYERS: [(&str, &str); 26] = [
     ("cli", "*"),
     ("python", "*"),
     ("invariance", "core"),
+    ("markers", "core body observe"),
     ("tests", "*"),
     ("studies", "*"),
     ("peers", "*"),

@@ -4,7 +4,7 @@ use sinew::core::combinators::Sum;
 use sinew::core::density::Lanes;
 use sinew::core::lanes::Isa;
 use sinew::dynamics::prior::Prior;
-use sinew::observe::MarkerLikelihood;
+use sinew_markers::MarkerLikelihood;
 use sinew_tests::problem28;
 
 /// The problem in the forms that samplers ask for.

@@ -1,4 +1,4 @@
-//! Gaussian likelihood of markers in several normalised images: that of [`crate::keypoints::marker_likelihood`] with cameras anywhere.
+//! Gaussian likelihood of markers in several normalised images: that of [`crate::one_view`] with cameras anywhere.
 //!
 //! A camera stands at C with the axes right e₀, forward e₁ and up e₂ and has focal length 1. With p_a = e_a · (P − C) a marker at P is seen at `(u, v) = (p₀/p₁, p₂/p₁)`; errors are independent
 //! N(0, σ²) in every coordinate of every image, so
@@ -10,12 +10,11 @@
 //!
 //! The body is moved once for all cameras. A marker that a camera did not see drops out there; a seen marker at depth p₁ ≤ 0.05 m makes the density −∞.
 
-use crate::cameras::camera::MIN_DEPTH_M;
-use crate::model::ObservationModel;
 use sinew_body::Plan;
 use sinew_body::kinematics::{Inform, Visit};
 use sinew_core::density::{LaneDensity, LaneGaussNewton, Lanes};
 use sinew_core::lanes::{Isa, Real};
+use sinew_observe::{MIN_DEPTH_M, ObservationModel};
 use std::sync::Arc;
 
 /// A camera of focal length 1.
@@ -197,7 +196,7 @@ impl LaneGaussNewton for MarkerViewsLikelihood {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::keypoints::marker_likelihood::MarkerModel;
+    use crate::one_view::MarkerModel;
     use sinew_body::standard::cf28;
     use sinew_body::{Proportions, point_positions};
     use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
