@@ -23,11 +23,4 @@ impl FileError {
         let path = path.into();
         move |source| Self { doing, path, source }
     }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> Option<String> {
-        let is_missing = matches!(self.source.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory);
-        if is_missing { missing_path::advice(&self.path) } else { None }
-    }
 }
