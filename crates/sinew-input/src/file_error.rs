@@ -1,6 +1,5 @@
 //! A file or folder that cannot be read or written.
 
-use crate::missing_path;
 use std::io;
 use std::path::PathBuf;
 
