@@ -52,3 +52,6 @@ pub enum Error {
 sinew_input::errors_from_below!(
     Error::Run: sinew_results::Error, sinew_setup::Error, sinew_input::Error, sinew_formats::Error, FileError, Problems
 );
+
+/// The code with which a program would end for an error; the ledger keeps it.
+pub type ExitCode = fn(&Error) -> u8;

@@ -4,9 +4,8 @@
 
 use super::ledger::{EndedTask, Ledger, TaskEnd};
 use super::packed::Archive;
-use super::run::ExitCode;
 use super::scratch::Scratch;
-use crate::Error;
+use crate::{Error, ExitCode};
 use sinew_results::sync_below;
 use std::path::Path;
 use std::sync::mpsc::Receiver;

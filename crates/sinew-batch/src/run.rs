@@ -10,7 +10,7 @@ use super::plan::{Share, StudyPlan, Task, read};
 use super::pooled_setup::{PooledSetups, Shared};
 use super::scratch::Scratch;
 use super::shard::Shard;
-use crate::Error;
+use crate::{Error, ExitCode};
 use rayon::ThreadPool;
 use serde_json::Value;
 use sinew::formats::source_text::MAX_TEXT_BYTES;
@@ -42,9 +42,6 @@ pub struct ShardEnd {
     /// Not begun or not ended, because of an interrupt.
     pub left: usize,
 }
-
-/// The code with which a program would end for an error; the ledger keeps it.
-pub type ExitCode = fn(&Error) -> u8;
 
 /// A study being run.
 struct Study<'a> {
