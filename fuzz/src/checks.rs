@@ -25,9 +25,7 @@ fn accepted<T>(result: Result<T, Error>) -> Option<T> {
         Ok(value) => Some(value),
         Err(error) => {
             assert!(!error.to_string().is_empty());
-            if let Some(help) = error.help() {
-                assert!(!help.to_string().is_empty());
-            }
+            assert!(sinew_words::help(&error.into()).is_none_or(|help| !help.is_empty()));
             None
         }
     }

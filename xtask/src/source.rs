@@ -43,6 +43,26 @@ fn flatten(stream: TokenStream, tokens: &mut Vec<Token>) {
     }
 }
 
+/// Literals as they are written, but for comments of items.
+pub fn literals(stream: TokenStream) -> Vec<Token> {
+    let mut found = Vec::new();
+    for tree in stream {
+        match tree {
+            TokenTree::Group(group) if !is_comment(&group) => found.extend(literals(group.stream())),
+            TokenTree::Literal(literal) => {
+                found.push(Token { text: literal.to_string(), line: literal.span().start().line });
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+fn is_comment(group: &Group) -> bool {
+    let first = group.stream().into_iter().next();
+    group.delimiter() == Delimiter::Bracket && first.is_some_and(|first| first.to_string() == "doc")
+}
+
 /// What does not stand under `#[cfg(test)]`.
 pub fn without_tests(stream: TokenStream) -> TokenStream {
     let mut kept: Vec<TokenTree> = Vec::new();
@@ -95,6 +115,13 @@ mod tests {
     #[test]
     fn comments_and_contents_of_literals_are_no_tokens() {
         assert_eq!(texts("a /* b */ :: c(\"d\", 'e') // f\n"), ["a", "::", "c", "(", "\"\"", ",", "\"\"", ")"]);
+    }
+
+    #[test]
+    fn comments_are_no_literals() {
+        let found = literals("/// a\n#[error(\"b\")]\nfn f() { g(['c', \"d\"]) }".parse().unwrap());
+        let found: Vec<(&str, usize)> = found.iter().map(|token| (token.text.as_str(), token.line)).collect();
+        assert_eq!(found, [("\"b\"", 2), ("'c'", 3), ("\"d\"", 3)]);
     }
 
     #[test]

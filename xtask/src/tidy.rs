@@ -12,6 +12,7 @@ mod names;
 mod pages;
 mod placement;
 mod purity;
+mod words;
 mod workspace;
 
 use std::path::Path;
@@ -19,7 +20,7 @@ use std::process::ExitCode;
 use workspace::{Rule, Violation, read};
 
 /// Rules by name.
-const RULES: [(&str, Rule); 9] = [
+const RULES: [(&str, Rule); 10] = [
     ("layers", layers::check),
     ("purity", purity::check),
     ("leftovers", leftovers::check),
@@ -29,6 +30,7 @@ const RULES: [(&str, Rule); 9] = [
     ("names", names::check),
     ("dependencies", dependencies::check),
     ("pages", pages::check),
+    ("words", words::check),
 ];
 
 /// Checks all rules and prints what does not hold.

@@ -1,4 +1,4 @@
-//! What can go wrong where results are analysed, with the exit code and the advice that belong to it.
+//! What can go wrong where results are analysed.
 
 use crate::compare::error::CompareError;
 use crate::gait::error::GaitError;
@@ -13,7 +13,6 @@ use sinew_setup::SetupError;
 
 /// Everything that ends an analysis early.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum Error {
     /// A recording, result or prediction that cannot be used.
     #[error(transparent)]
@@ -45,35 +44,3 @@ sinew_input::errors_from_below!(
     Error::Run: sinew_results::Error, sinew_setup::Error, sinew_input::Error, sinew_formats::Error, FileError, InputError, SetupError, ReadError, ResultsError
 );
 sinew_input::errors_from_below!(Error::Motion: MotionError);
-
-impl Error {
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        match self {
-            Self::Run(error) => error.exit_code(),
-            Self::Motion(error) => error.exit_code(),
-            Self::Compare(error) => error.exit_code(),
-            Self::Gait(error) => error.exit_code(),
-            Self::Opensim(error) => error.exit_code(),
-            Self::Segment(error) => error.exit_code(),
-            Self::ShapeFit(error) => error.exit_code(),
-            Self::Sync(error) => error.exit_code(),
-        }
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> Option<String> {
-        match self {
-            Self::Run(error) => error.help(),
-            Self::Motion(error) => error.help(),
-            Self::Compare(error) => Some(error.help().into()),
-            Self::Gait(error) => Some(error.help()),
-            Self::Opensim(error) => Some(error.help().into()),
-            Self::Segment(error) => Some(error.help().into()),
-            Self::ShapeFit(error) => error.help().map(Into::into),
-            Self::Sync(error) => Some(error.help().into()),
-        }
-    }
-}

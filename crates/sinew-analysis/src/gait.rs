@@ -36,13 +36,14 @@ use sinew::files::read_text;
 use sinew::setup::Setup;
 use sinew_formats::json_text;
 use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_TEXT_BYTES};
+use sinew_input::flag::flag;
 use sinew_results::people::refuse_several;
 use sinew_results::{GAIT_NAMES, without_summary};
 use std::path::Path;
 use walk::Walk;
 
-/// What is said of results without `--smooth`; shares as measured in docs/evidence/gait.md at 60 frames a second.
-const FILTERED: &str = "track with `--smooth`: of filtered results 79 to 86 % of the events lie inside their 90 % \
+/// What is said of results that are not smoothed; shares as measured in docs/evidence/gait.md at 60 frames a second.
+const FILTERED: &str = "of filtered results 79 to 86 % of the events lie inside their 90 % \
      intervals where errors of keypoints persist, as they do in recordings, of smoothed ones 91 to 95 %";
 
 /// The gait in a result folder.
@@ -93,7 +94,7 @@ fn way_m(walk: &Walk) -> f64 {
 fn warnings(run: &Value, walk: &Walk, strides: &[Stride]) -> Vec<String> {
     let mut found = vec![];
     if walk.draws() > 0 && run["kind"].as_str() != Some("smoothed") {
-        found.push(FILTERED.to_owned());
+        found.push(format!("track with {}: {FILTERED}", flag("smooth")));
     }
     if strides.is_empty() {
         found.push(

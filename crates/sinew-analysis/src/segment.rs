@@ -121,7 +121,7 @@ pub fn segment(
 
 fn check(request: &SegmentRequest) -> Result<(), SegmentError> {
     let Config { threshold, least_std, shadow } = request.config;
-    let wrong = |flag, value, range| Err(SegmentError::OutOfRange { flag, value, range });
+    let wrong = |setting, value, range| Err(SegmentError::OutOfRange { setting, value, range });
     let is_positive = |value: f32| value > 0.0 && value.is_finite();
     if !is_positive(threshold) {
         return wrong("threshold", threshold.into(), "greater than 0");

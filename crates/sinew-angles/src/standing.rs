@@ -14,9 +14,9 @@ use sinew_body::KinematicTree;
 use std::f64::consts::TAU;
 
 /// Movement of an angle over the trial above which nobody stands still.
-const MOST_MOVED_DEG: f64 = 5.0;
+pub const MOST_MOVED_DEG: f64 = 5.0;
 /// Zero above which angles of one joint mix where it is subtracted.
-const LARGEST_ZERO_DEG: f64 = 20.0;
+pub const LARGEST_ZERO_DEG: f64 = 20.0;
 /// Difference of the lengths of two bodies over their sum, above which they are hardly of one person.
 const MOST_LONGER: f64 = 0.04;
 
@@ -54,8 +54,25 @@ pub struct StandingAngles {
     pub names: Vec<String>,
     /// Mean directions over the frames, radians: a row for each draw, a number for each name.
     pub drawn: Vec<f64>,
-    /// What speaks against them, in words.
-    pub doubts: Vec<String>,
+    /// What speaks against them.
+    pub doubts: Vec<StandingDoubt>,
+}
+
+/// What speaks against a standing trial.
+#[derive(Clone, Debug, PartialEq)]
+pub enum StandingDoubt {
+    /// Its draws are no trajectories.
+    Filtered,
+    /// A diagnostic of it failed, in words.
+    Failed(String),
+    /// Angles that its keypoints do not show.
+    Unseen(Vec<String>),
+    /// Angles that move over it, the most in words.
+    Moves(String),
+    /// Zeros that are too large to be subtracted, the largest in words.
+    LargeZeros(String),
+    /// The sizes of its body differ from the run's by this share.
+    OtherSizes(f64),
 }
 
 impl StandingAngles {
@@ -93,36 +110,26 @@ fn doubts(
     drawn: &[Vec<f64>],
     frames: &[FrameSpread],
     unseen: &[String],
-) -> Vec<String> {
+) -> Vec<StandingDoubt> {
     let mut found = vec![];
     if !run.is_smoothed {
-        found.push(
-            "it is filtered, and the mean over its frames is surer of itself than it is right: track it with `--smooth`"
-                .to_owned(),
-        );
+        found.push(StandingDoubt::Filtered);
     }
     if let Some(failed) = run.failed {
-        found.push(format!("its diagnostics failed ({failed}): so may its zero"));
+        found.push(StandingDoubt::Failed(failed.to_owned()));
     }
     if !unseen.is_empty() {
-        let unseen = unseen.join(", ");
-        found.push(format!("its keypoints do not show {unseen}: no zero is taken off these"));
+        found.push(StandingDoubt::Unseen(unseen.to_vec()));
     }
     let moved = (0..names.len()).map(|angle| moved(frames, angle).to_degrees());
     let zeros = (0..names.len()).map(|angle| direction(drawn.iter().map(|row| row[angle])).abs().to_degrees());
     if let Some(words) = above(names, moved, MOST_MOVED_DEG) {
-        found.push(format!(
-            "angles move by more than {MOST_MOVED_DEG}° over it ({words}): choose frames in which the person stands still, \
-             `--frames A..B`"
-        ));
+        found.push(StandingDoubt::Moves(words));
     }
     if let Some(words) = above(names, zeros, LARGEST_ZERO_DEG) {
-        found.push(format!(
-            "zeros are above {LARGEST_ZERO_DEG}° ({words}): angles are subtracted, not rotations, and angles of \
-             one joint mix; does the person stand upright and look ahead, with hanging arms?"
-        ));
+        found.push(StandingDoubt::LargeZeros(words));
     }
-    found.into_iter().map(|words| format!("standing trial: {words}")).collect()
+    found
 }
 
 /// How far an angle moves over the trial, radians.
@@ -158,21 +165,15 @@ fn above(names: &[String], values: impl Iterator<Item = f64>, limit: f64) -> Opt
     Some(format!("`{name}` {value:.0}°{others}"))
 }
 
-/// What is said where the lengths of two bodies with the same links differ.
+/// A doubt where the lengths of two bodies with the same links differ.
 #[must_use]
-pub fn other_sizes(trial: &KinematicTree, run: &KinematicTree) -> Option<String> {
+pub fn other_sizes(trial: &KinematicTree, run: &KinematicTree) -> Option<StandingDoubt> {
     let length = |offset: &[f64; 3]| offset.iter().map(|x| x * x).sum::<f64>().sqrt();
     let pairs: Vec<[f64; 2]> =
         trial.links().iter().zip(run.links()).map(|(a, b)| [&a.offset, &b.offset].map(length)).collect();
     let apart: f64 = pairs.iter().map(|[a, b]| (a - b).abs()).sum();
     let share = apart / pairs.iter().map(|[_, b]| b).sum::<f64>().max(f64::MIN_POSITIVE);
-    (share > MOST_LONGER).then(|| {
-        format!(
-            "standing trial: the sizes of its body differ from this run's by {:.0} %: is it the same person? Take its \
-             set-up for both, `--setup TRIAL/setup.toml`",
-            100.0 * share
-        )
-    })
+    (share > MOST_LONGER).then_some(StandingDoubt::OtherSizes(share))
 }
 
 #[cfg(test)]
@@ -207,16 +208,13 @@ mod tests {
         let moving = frames(|frame| [0.1 * (frame as f64).sin(), 0.0], 0.01);
         let found = doubts(&run, &names(), &drawn, &moving, &["head_rz".to_owned()]);
         let wanted = [
-            "track it with `--smooth`",
-            "(R-hat)",
-            "do not show head_rz",
-            "over it (`knee_angle_r` 13°)",
-            "zeros are above 20° (`knee_angle_r` 180°)",
+            StandingDoubt::Filtered,
+            StandingDoubt::Failed("R-hat".into()),
+            StandingDoubt::Unseen(vec!["head_rz".into()]),
+            StandingDoubt::Moves("`knee_angle_r` 13°".into()),
+            StandingDoubt::LargeZeros("`knee_angle_r` 180°".into()),
         ];
-        assert_eq!(found.len(), wanted.len(), "{found:#?}");
-        for (found, wanted) in found.iter().zip(wanted) {
-            assert!(found.starts_with("standing trial: ") && found.contains(wanted), "{found}");
-        }
+        assert_eq!(found, wanted);
     }
 
     #[test]
@@ -227,6 +225,6 @@ mod tests {
         };
         assert_eq!(other_sizes(&body(1.0), &body(1.03)), None);
         let found = other_sizes(&body(1.2), &body(1.0)).unwrap();
-        assert!(found.starts_with("standing trial: the sizes"), "{found}");
+        assert!(matches!(found, StandingDoubt::OtherSizes(share) if share > MOST_LONGER), "{found:?}");
     }
 }

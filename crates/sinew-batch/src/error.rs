@@ -1,11 +1,10 @@
-//! What can go wrong with a study of many trials, with the exit code and the advice that belong to it.
+//! What can go wrong with a study of many trials.
 
 use sinew_input::{FileError, Problems};
 use std::path::PathBuf;
 
 /// Everything that ends a step of a study early.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum Error {
     /// What ends a run early.
     #[error(transparent)]
@@ -54,38 +53,5 @@ sinew_input::errors_from_below!(
     Error::Run: sinew_results::Error, sinew_setup::Error, sinew_input::Error, sinew_formats::Error, FileError, Problems
 );
 
-impl Error {
-    /// Code with which a program ends; the table is that of [`sinew::Error`].
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        match self {
-            Self::Run(error) => error.exit_code(),
-            Self::UnlikeTrials { .. } | Self::NoTrials(_) | Self::NotPacked { .. } => 3,
-            Self::ShardInUse { .. } => 5,
-            Self::NotAStudy(_) | Self::StudyFile { .. } => 2,
-        }
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> Option<String> {
-        let words = match self {
-            Self::Run(error) => return error.help(),
-            Self::NoTrials(_) => {
-                "give each trial a `sinew.toml` with `keypoints = \"pose\"`; what all share stands in one above them"
-            }
-            Self::NotAStudy(_) => "make one with `sinew batch plan TRIALS -o STUDY`",
-            Self::StudyFile { .. } => {
-                "make the plan again with `sinew batch plan TRIALS -o STUDY --force`; what is done stays done"
-            }
-            Self::ShardInUse { .. } => "wait for it, or run another shard",
-            Self::NotPacked { .. } => {
-                "summary.csv of `sinew batch gather` has the names; results that are not packed lie in results/"
-            }
-            Self::UnlikeTrials { .. } => {
-                "give `subject` only to trials with the same cameras and keypoints, or different names"
-            }
-        };
-        Some(words.to_owned())
-    }
-}
+/// The code with which a program would end for an error; the ledger keeps it.
+pub type ExitCode = fn(&Error) -> u8;

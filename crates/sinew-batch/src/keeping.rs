@@ -5,7 +5,7 @@
 use super::ledger::{EndedTask, Ledger, TaskEnd};
 use super::packed::Archive;
 use super::scratch::Scratch;
-use crate::Error;
+use crate::{Error, ExitCode};
 use sinew_results::sync_below;
 use std::path::Path;
 use std::sync::mpsc::Receiver;
@@ -25,6 +25,7 @@ pub(super) struct Keeping<'a> {
     pub(super) study: &'a Path,
     pub(super) archive: Option<Archive>,
     pub(super) ledger: Ledger,
+    pub(super) exit_code: ExitCode,
 }
 
 impl Keeping<'_> {
@@ -41,7 +42,7 @@ impl Keeping<'_> {
                 None => sync_below(self.study).map_err(sinew::Error::io("write", self.study)).map_err(Error::from),
             };
             if let Err(error) = synced {
-                group.iter_mut().for_each(|ended| ended.line.fail(&error));
+                group.iter_mut().for_each(|ended| ended.line.fail(&error, self.exit_code));
             }
             self.ledger.add(group.iter().map(|ended| &ended.line))?;
             group.iter().for_each(&mut kept);
@@ -54,16 +55,16 @@ impl Keeping<'_> {
         let (Some(archive), Some(scratch)) = (&mut self.archive, ended.scratch.take()) else { return };
         match archive.append(&ended.line.trial, &scratch) {
             Ok(packed) => ended.line.packed = Some(packed),
-            Err(error) => ended.line.fail(&error),
+            Err(error) => ended.line.fail(&error, self.exit_code),
         }
     }
 }
 
 impl EndedTask {
     /// What could not be kept failed, if it had not failed before.
-    fn fail(&mut self, error: &Error) {
+    fn fail(&mut self, error: &Error, exit_code: ExitCode) {
         if self.ended != TaskEnd::Failed {
-            (self.ended, self.code, self.packed) = (TaskEnd::Failed, error.exit_code(), None);
+            (self.ended, self.code, self.packed) = (TaskEnd::Failed, exit_code(error), None);
             self.why = sinew::with_causes(error);
         }
     }

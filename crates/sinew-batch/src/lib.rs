@@ -29,6 +29,6 @@ mod submit;
 pub mod trial_table;
 mod trials;
 
-pub use error::Error;
+pub use error::{Error, ExitCode};
 pub use packed::{unpack, unpacked};
 pub use submit::write_submit_files;

@@ -19,6 +19,7 @@ use sinew::run::settings::reading;
 use sinew::setup::KnownSetup;
 use sinew::setup::shared_cameras::{CameraInformation, SharedCameras};
 use sinew::track::job::{self, MadeSetup, Watch};
+use sinew_input::flag::flag_with;
 use sinew_results::write_whole;
 use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::fs;
@@ -122,7 +123,8 @@ impl PooledSetups {
         if self.disagreeing.lock().unwrap_or_else(PoisonError::into_inner).insert(first.to_owned()) {
             let trial = study.members(first).first().map(|task| task.trial.clone()).unwrap_or_default();
             study.listener.warning(&format!(
-                "the frames of different subjects in the session of {trial} do not agree about its cameras: each subject has a set-up of its own (were cameras moved? `--share subject` says so)"
+                "the frames of different subjects in the session of {trial} do not agree about its cameras: each subject has a set-up of its own (were cameras moved? {} says so)",
+                flag_with("share", "subject")
             ));
         }
     }

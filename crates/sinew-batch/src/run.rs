@@ -10,7 +10,7 @@ use super::plan::{Share, StudyPlan, Task, read};
 use super::pooled_setup::{PooledSetups, Shared};
 use super::scratch::Scratch;
 use super::shard::Shard;
-use crate::Error;
+use crate::{Error, ExitCode};
 use rayon::ThreadPool;
 use serde_json::Value;
 use sinew::formats::source_text::MAX_TEXT_BYTES;
@@ -50,15 +50,22 @@ struct Study<'a> {
     tasks: Vec<Task>,
     setups: PooledSetups,
     listener: &'a dyn Listener,
+    exit_code: ExitCode,
     threads_a_trial: usize,
     run: u64,
 }
 
-/// Runs what is missing of a shard, on `threads` threads.
+/// Runs what is missing of a shard, on `threads` threads; `exit_code` is what the ledger keeps of an error.
 ///
 /// # Errors
 /// A study or a ledger that cannot be read or written; not the errors of trials.
-pub fn run(folder: &Path, shard: Shard, threads: usize, listener: &dyn Listener) -> Result<ShardEnd, Error> {
+pub fn run(
+    folder: &Path,
+    shard: Shard,
+    threads: usize,
+    listener: &dyn Listener,
+    exit_code: ExitCode,
+) -> Result<ShardEnd, Error> {
     let (plan, tasks) = read(folder)?;
     let ledger = Ledger::open(folder, shard)?;
     let known = ended(folder)?;
@@ -74,7 +81,8 @@ pub fn run(folder: &Path, shard: Shard, threads: usize, listener: &dyn Listener)
     let workers = threads.min(missing.len()).max(1);
     let setups = PooledSetups::new(folder, shard, workers);
     let run = 1 + known.values().map(|line| line.run).max().unwrap_or(0);
-    let study = Study { folder, plan, tasks, setups, listener, threads_a_trial: (threads / workers).max(1), run };
+    let study =
+        Study { folder, plan, tasks, setups, listener, exit_code, threads_a_trial: (threads / workers).max(1), run };
     drop(known);
     let (sender, receiver) = sync_channel(workers);
     let (study, missing) = (&study, &missing);
@@ -95,7 +103,7 @@ pub fn run(folder: &Path, shard: Shard, threads: usize, listener: &dyn Listener)
     std::thread::scope(|scope| {
         let keeping = scope.spawn(|| {
             let mut counter = listener.counter("trials", "trials", missing.len() as u64);
-            let mut keeping = Keeping { study: folder, archive, ledger };
+            let mut keeping = Keeping { study: folder, archive, ledger, exit_code };
             keeping.keep(receiver, |Ended { place, line, .. }| {
                 match line.ended {
                     TaskEnd::Done => end.done += 1,
@@ -133,7 +141,7 @@ impl Study<'_> {
         let (ending, scratch) = match catch_unwind(AssertUnwindSafe(|| self.tracked(task))) {
             Ok(Ok(tracked)) => tracked?,
             Ok(Err(Error::Run(sinew::Error::Interrupted(_)))) => return None,
-            Ok(Err(error)) => (failed(error.exit_code(), sinew::with_causes(&error)), None),
+            Ok(Err(error)) => (failed((self.exit_code)(&error), sinew::with_causes(&error)), None),
             Err(_) => (failed(1, "a bug: the program stopped in the middle of this trial".into()), None),
         };
         let Ending { ended, code, why, computing_s } = ending;

@@ -1,5 +1,6 @@
 //! A part of the tasks: those whose place leaves a remainder. Schedulers say which in the environment.
 
+use sinew_input::flag::flag_with;
 use std::fmt;
 use std::str::FromStr;
 
@@ -44,14 +45,20 @@ impl Shard {
                 // Some tasks of an array that are begun again are numbered as in the whole one.
                 let differs = |other: Option<usize>| own_count.is_some() && other.is_some() && other != own_count;
                 if differs(span) || differs(count) {
-                    return Err("this job array is a part of another: give each task its `--shard I/N`".into());
+                    return Err(format!(
+                        "this job array is a part of another: give each task its {}",
+                        flag_with("shard", "I/N")
+                    ));
                 }
                 (id.saturating_sub(first), own_count)
             }
             None => match number("JOB_COMPLETION_INDEX")? {
                 Some(index) => (index, None),
                 None if count.is_some() => {
-                    return Err("no scheduler says which of these parts this is: give `--shard I/N`".into());
+                    return Err(format!(
+                        "no scheduler says which of these parts this is: give {}",
+                        flag_with("shard", "I/N")
+                    ));
                 }
                 None => return Ok(None),
             },

@@ -1,6 +1,7 @@
 //! How a command ended, if not with an error.
 
 use super::report::Report;
+use sinew_words::exit_codes::{DOUBTFUL, FAILED, INTERRUPTED};
 
 /// The end of a command.
 pub(crate) enum Ended {
@@ -18,9 +19,9 @@ impl Ended {
     pub(crate) const fn code(&self) -> u8 {
         match self {
             Self::Done => 0,
-            Self::Failed => 1,
-            Self::Doubtful => 4,
-            Self::Interrupted => 75,
+            Self::Failed => FAILED,
+            Self::Doubtful => DOUBTFUL,
+            Self::Interrupted => INTERRUPTED,
         }
     }
 }

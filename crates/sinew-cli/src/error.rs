@@ -1,5 +1,8 @@
 //! What ends a command early: a mistake in how it was called, or what the library refuses.
 
+use sinew::body::standard::EVALUATION_JOINTS;
+use sinew_words::exit_codes::{FAILED, INPUT, USAGE, exit_code, of_study};
+
 /// Everything that ends a command early.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Error {
@@ -133,28 +136,30 @@ sinew_input::errors_from_below!(
 );
 
 impl Error {
-    /// Code with which the program ends; the table is that of [`sinew::Error`].
+    /// Code with which the program ends; the table is that of [`sinew_words::exit_codes`].
     pub(crate) const fn exit_code(&self) -> u8 {
         match self {
-            Self::Report(error) => error.exit_code(),
-            Self::Batch(error) => error.exit_code(),
-            Self::Demo(_) => 1,
-            Self::Scene(_) => 3,
-            _ => 2,
+            Self::Report(error) => exit_code(error),
+            Self::Batch(error) => of_study(error),
+            Self::Demo(_) => FAILED,
+            Self::Scene(_) => INPUT,
+            _ => USAGE,
         }
     }
 
     /// What the user can do about it.
     pub(crate) fn help(&self) -> Option<String> {
         let words = match self {
-            Self::Report(error) => return error.help(),
-            Self::Batch(error) => return error.help(),
-            Self::Scene(error) => return error.help(),
+            Self::Report(error) => return sinew_words::help(error),
+            Self::Batch(error) => return sinew_words::batch::help(error),
+            Self::Scene(sinew_simulate::Error::MissingJoints(_)) => {
+                return Some(format!("a body needs the points {}", EVALUATION_JOINTS.join(", ")));
+            }
             Self::NoPlace(written) => {
                 return Some(format!("name one with `-o`, for example `-o {}`", written.example()));
             }
             Self::NotPositive { help, .. } => help,
-            Self::Demo(_) => return None,
+            Self::Scene(_) | Self::Demo(_) => return None,
             Self::ForeignFlag { .. } => "leave it out, or put it after the command that it belongs to",
             Self::NoKeypointsToRead { .. } => "give the keypoint folder too, or leave the flag out",
             Self::NothingToSynchronise(_) => "try `--calibration Calib.toml --keypoints pose --fps 60`",

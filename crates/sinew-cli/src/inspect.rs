@@ -39,7 +39,7 @@ pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Res
     if let (Some(calibration), Some(keypoints)) = (calibration, keypoints) {
         let mut recording = Recording::open(calibration, keypoints, &options)?;
         // What was said about a file is not said again about the pair.
-        let known: Vec<String> = all.iter().flat_map(|facts| facts.odd.clone()).collect();
+        let known: Vec<String> = all.iter().flat_map(|facts| facts.odd.iter().map(sinew_words::odd)).collect();
         all.push(fit::facts(&mut recording, fps, &known)?);
     }
     if let Some(out) = &general.out {
@@ -49,7 +49,7 @@ pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Res
         let facts = |facts: &Facts| {
             let rows: serde_json::Map<_, _> =
                 facts.rows.iter().map(|(name, value)| (name.clone(), value.clone().into())).collect();
-            json!({ "title": facts.title, "facts": rows, "odd": facts.odd })
+            json!({ "title": facts.title, "facts": rows, "odd": facts.odd.iter().map(sinew_words::odd).collect::<Vec<_>>() })
         };
         report::answer_json(&all.iter().map(facts).collect::<Vec<_>>().into())?;
     } else {
@@ -112,6 +112,6 @@ fn refuse_settings(args: &InspectArgs, general: &General) -> Result<(), Error> {
 fn shown(facts: &Facts) -> String {
     let rows: Vec<(String, String)> =
         facts.rows.iter().map(|(name, value)| (format!("  {name}"), value.clone())).collect();
-    let odd: String = facts.odd.iter().map(|odd| format!("  odd: {odd}\n")).collect();
+    let odd: String = facts.odd.iter().map(|odd| format!("  odd: {}\n", sinew_words::odd(odd))).collect();
     format!("{}\n{}{odd}", facts.title, aligned(&rows))
 }

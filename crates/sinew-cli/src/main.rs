@@ -1,6 +1,6 @@
 //! The program `sinew`: arguments in, answers to stdout, everything else to stderr.
 //!
-//! Exit codes are listed in the table of [`sinew::Error`].
+//! Exit codes are listed in the table of [`sinew_words::exit_codes`].
 
 mod answer_args;
 mod args;

@@ -60,7 +60,7 @@ fn found(config: &TrackConfig, most: u64) -> Result<FoundClocks, Error> {
     let request = SyncRequest { most, fps: config.settings()?.fps };
     synchronise(calibration, keypoints, &reading(config), &request, || {
         if stop.load(Ordering::Relaxed) {
-            return Err(sinew::Error::Interrupted("while clocks were compared; nothing was written").into());
+            return Err(sinew::Error::Interrupted("while clocks were compared; nothing was written".into()).into());
         }
         Ok(())
     })

@@ -9,7 +9,7 @@ use super::sync;
 use super::table::{columns, table};
 use super::terminal::Terminal;
 use sinew::run::settings::settings_with_stated_rate;
-use sinew::run::{CameTo, RESUME, Request, calibration};
+use sinew::run::{CameTo, Request, calibration, how_to_resume};
 use sinew::track::job::Outcome;
 use sinew_report::written_page::write_for_run;
 use sinew_results::Summary;
@@ -74,7 +74,7 @@ fn one_person(outcome: &Outcome, out: &Path, args: &TrackArgs, report: &Report) 
 }
 
 fn interrupted(report: &Report) -> Ended {
-    report.note(&format!("interrupted; what was done is written and marked incomplete; {RESUME}"));
+    report.note(&format!("interrupted; what was done is written and marked incomplete; {}", how_to_resume()));
     Ended::Interrupted
 }
 

@@ -28,7 +28,6 @@ pub struct ModelFormat {
 
 /// A file that holds no model of the kind that is wanted; `P` says what a value has that no model has.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum ModelFileProblem<P: Debug + Display> {
     /// Text that is no JSON, or JSON of another shape.
     #[error("{file} is no {}: {problem}", format.what)]
@@ -70,25 +69,6 @@ pub enum ModelFileProblem<P: Debug + Display> {
         /// Place, what was found and what was expected.
         misfit: P,
     },
-}
-
-impl<P: Debug + Display> ModelFileProblem<P> {
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> String {
-        match self {
-            Self::Json { format: ModelFormat { command, .. }, .. }
-            | Self::Format { format: ModelFormat { command, .. }, .. } => {
-                format!("give a file that `{command}` wrote; if it did write this one, learn the model again")
-            }
-            Self::Version { format: ModelFormat { command, .. }, .. } => {
-                format!("learn the model again with this version of sinew: `{command}`")
-            }
-            Self::Value { format: ModelFormat { command, .. }, .. } => {
-                format!("the file was changed or damaged after it was written; learn the model again: `{command}`")
-            }
-        }
-    }
 }
 
 /// What every version has.

@@ -1,9 +1,7 @@
 //! What can be wrong with a file.
 //!
 //! One variant per violated condition, with the values found. The text of a variant says where, what was found and what
-//! was expected; [`Error::help`] says what to do about it.
-
-mod help;
+//! was expected.
 
 use crate::Place;
 use crate::nearest::suggestion;
@@ -11,7 +9,6 @@ use crate::numbers::{Bytes, Count, Rough};
 
 /// Everything that this crate refuses.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum Error {
     /// A byte that no UTF-8 text contains at this place.
     #[error("{}: byte 0x{byte:02X} at line {line} is not UTF-8; save as UTF-8", place)]

@@ -1,12 +1,11 @@
-//! What can be wrong with a recording, with the exit code and the advice that belong to it.
+//! What can be wrong with a recording.
 
 use crate::{FileError, InputError, Problems};
 use std::io;
 use std::path::PathBuf;
 
-/// A recording that cannot be used. Exit codes: 2 usage, 3 input data, 5 files and disk.
+/// A recording that cannot be used.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum Error {
     /// A file that its reader refuses.
     #[error(transparent)]
@@ -41,27 +40,5 @@ impl Error {
     pub fn io(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let on = FileError::on(doing, path);
         move |source| Self::Io(on(source))
-    }
-
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        match self {
-            Self::Input(error) => error.exit_code(),
-            Self::Config(_) | Self::Format(sinew_formats::Error::UnknownLayout { .. }) => 2,
-            Self::Format(_) => 3,
-            Self::Io(_) => 5,
-        }
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> Option<String> {
-        match self {
-            Self::Format(error) => error.help(),
-            Self::Input(error) => Some(error.help()),
-            Self::Io(error) => error.help(),
-            Self::Config(_) => Some(Problems::HELP.into()),
-        }
     }
 }

@@ -1,6 +1,5 @@
 //! A file or folder that cannot be read or written.
 
-use crate::missing_path;
 use std::io;
 use std::path::PathBuf;
 
@@ -22,12 +21,5 @@ impl FileError {
     pub fn on(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
         let path = path.into();
         move |source| Self { doing, path, source }
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> Option<String> {
-        let is_missing = matches!(self.source.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory);
-        if is_missing { missing_path::advice(&self.path) } else { None }
     }
 }

@@ -334,7 +334,7 @@ mod tests {
     fn check(full: [f64; 2], size: [usize; 2], scale: Option<f64>, wanted: &str) {
         let found = match size_fits(&camera(full[0], full[1]), &KIND, size, scale) {
             Ok(warning) => warning.unwrap_or_default(),
-            Err(misfit) => format!("{misfit} | {}", misfit.help()),
+            Err(misfit) => format!("{misfit} | {:?}", misfit.fitting),
         };
         assert_eq!(found, wanted);
     }
@@ -350,24 +350,14 @@ mod tests {
             Some(0.5),
             "cam01 calibrated at 1088x1920, times 0.5 is 544x960, masks are 540x960; taken as they are",
         );
-        check(
-            [1088.0, 1920.0],
-            [540, 960],
-            None,
-            "cam01 calibrated at 1088x1920, masks are 540x960 | if the masks were resized after the calibration, set `mask_scale = 0.5`",
-        );
+        check([1088.0, 1920.0], [540, 960], None, "cam01 calibrated at 1088x1920, masks are 540x960 | Some(0.5)");
         check(
             [1920.0, 1080.0],
             [1280, 720],
             Some(0.5),
-            "cam01 calibrated at 1920x1080, times 0.5 is 960x540, masks are 1280x720 | if the masks were resized after the calibration, set `mask_scale = 0.667`",
+            "cam01 calibrated at 1920x1080, times 0.5 is 960x540, masks are 1280x720 | Some(0.667)",
         );
-        check(
-            [1920.0, 1080.0],
-            [1080, 1920],
-            None,
-            "cam01 calibrated at 1920x1080, masks are 1080x1920 | width and height do not fit together: are these the masks of cam01?",
-        );
+        check([1920.0, 1080.0], [1080, 1920], None, "cam01 calibrated at 1920x1080, masks are 1080x1920 | None");
     }
 
     #[test]

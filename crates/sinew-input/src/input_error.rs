@@ -1,5 +1,6 @@
 //! What is refused of a recording: folders, file names, frames, layouts and sizes.
 
+use super::flag::flag_with;
 use super::folder_contents::FolderContents;
 use super::lag::ClockLag;
 use super::size_misfit::SizeMisfit;
@@ -9,7 +10,6 @@ use std::path::{Path, PathBuf};
 
 /// A recording that cannot be read as it stands.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum InputError {
     /// Nobody shows which layout the keypoints have.
     #[error("{}: the detector found nobody in the {files} files looked at; the keypoint layout cannot be recognised", folder.display())]
@@ -277,7 +277,7 @@ pub enum InputError {
         method: &'static str,
     },
     /// A start from keypoints that are not given.
-    #[error("`--init keypoints` without keypoints")]
+    #[error("{} without keypoints", flag_with("init", "keypoints"))]
     InitWithoutKeypoints,
     /// Silhouettes without a start.
     #[error("silhouettes alone do not say where the person is at first, and how large")]
@@ -304,9 +304,6 @@ fn few(names: &[String]) -> String {
     format!("{}{more}", names.iter().take(FEW).cloned().collect::<Vec<_>>().join(", "))
 }
 
-/// What to do with videos.
-const DETECT: &str = "run a 2D pose detector over the videos first, for example OpenPose with `--write_json`, and give the folder that it fills";
-
 fn expected_names(extensions: &[&str]) -> String {
     let extension = extensions.first().copied().unwrap_or_default();
     format!("expected files `<camera>_<frame>.{extension}` or folders `<camera>` with files `<frame>.{extension}`")
@@ -317,113 +314,5 @@ impl InputError {
     #[must_use]
     pub fn unknown_keypoint_file(file: &Path) -> Self {
         Self::UnknownKeypointFile { file: file.to_owned(), known: keypoint_formats::known() }
-    }
-
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        match self {
-            Self::NoSuchCamera { .. }
-            | Self::LagOfNoCamera { .. }
-            | Self::NoKeypointsOfCamera { .. }
-            | Self::ImageScale { .. }
-            | Self::GradientsOfSilhouettes { .. }
-            | Self::InitWithoutKeypoints
-            | Self::NoStart => 2,
-            _ => 3,
-        }
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> String {
-        match self {
-            Self::NobodyForLayout { known, .. } => format!(
-                "give keypoints that show somebody; if others of the files do, name the layout with `--layout`: {}",
-                known.join(", ")
-            ),
-            Self::NoSuchLength { known, .. } => {
-                format!("known: {}; or give a mapping file with `--layout`", known.join(", "))
-            }
-            Self::LayoutLacks { point, .. } => format!("name the keypoint `{point}` in the mapping file"),
-            Self::SizeChanges { many, .. } => {
-                format!("all {many} of a camera must have one size; write this one again")
-            }
-            Self::SizeMisfit { misfit, .. } => misfit.help(),
-            Self::VideosForImages { videos, many, .. } => format!(
-                "write their frames as {many} first, for example `ffmpeg -i {} cam01_%06d.png`",
-                videos.first().map_or("cam01.mp4", String::as_str)
-            ),
-            Self::FileForFolder { is_video: false, many, .. } => {
-                format!("give the folder that holds the {many} of all cameras")
-            }
-            Self::FileForFolder { many: "keypoints", .. } => DETECT.into(),
-            Self::FileForFolder { many, .. } => {
-                format!("write its frames as {many} first, for example `ffmpeg -i cam01.mp4 cam01_%06d.png`")
-            }
-            Self::FolderForFile { folder, contents } => match contents {
-                FolderContents::Toml(files) => {
-                    let files: Vec<String> = files.iter().map(|file| format!("`{}`", file.display())).collect();
-                    format!("did you mean {}?", files.join(" or "))
-                }
-                FolderContents::Keypoints => {
-                    format!("it holds keypoints: give it with `--keypoints {}`", folder.display())
-                }
-                FolderContents::Videos(_) => DETECT.into(),
-                FolderContents::Other => "give the path of a file".into(),
-            },
-            Self::NoImages { many, .. } => format!("give the folder that holds the {many} of all cameras"),
-            Self::ImagesWithoutCamera { many, .. } => {
-                format!("move the {many} of each camera into a folder of its name; is this the folder of one camera?")
-            }
-            other => other.fixed_help().into(),
-        }
-    }
-
-    /// Help that holds no value.
-    const fn fixed_help(&self) -> &'static str {
-        match self {
-            Self::FolderOfOneCamera { .. } => {
-                "give the folder above it, which holds one folder `<camera>_json` for each camera; or move the files of each camera into a folder of its name"
-            }
-            Self::UnknownKeypointFile { .. } => {
-                "give such a file, the folder with a file of each camera, or the folder with a folder of each camera"
-            }
-            Self::NoFrames { .. } => "run the detector again; the file has a header and nothing else",
-            Self::FileOfNoCamera { .. } => {
-                "files and cameras are matched by name: name the file after the camera, as in `cam01_results.json`"
-            }
-            Self::TwoFiles { .. } => "keep one of the two in the folder, for example the filtered one of DeepLabCut",
-            Self::LayoutsDiffer { .. } => "run the same model on all cameras, or name the points with `--layout`",
-            Self::NoKeypoints { .. } => "`--keypoints` takes the folder that a detector fills, for example `pose`",
-            Self::VideosForKeypoints { .. } => DETECT,
-            Self::NoFiles { .. } => "fill the folder or remove it, or leave the camera out of `--cameras`",
-            Self::NoSuchCamera { .. } => "give `--cameras` a list of these names, separated by commas",
-            Self::LagOfNoCamera { .. } => "give `--lag` cameras by these names, for example `--lag cam_03=-2`",
-            Self::NoKeypointsOfCamera { .. } => "leave the camera out of `--cameras`",
-            Self::NoSuchFrames { .. } => "`--frames A..B` takes the numbers in the file names, A included, B not",
-            Self::NoCommonFrame => "look at the frames of each camera with `sinew inspect`",
-            Self::LagLeavesNoFrame { .. } => "give a smaller `--lag`; `sinew sync` says how late cameras are",
-            Self::NumbersApart { in_one_file: true, .. } => {
-                "correct the number that jumps (`image_id`, `frame`), or choose frames with `--frames A..B`"
-            }
-            Self::NumbersApart { .. } => {
-                "the last number in a file name must be the frame number, as in `cam01.0034.json`"
-            }
-            Self::ImageScale { .. } => "the scale is their width over that of the calibrated images, for example 0.5",
-            Self::ImagesOfOtherCameras { .. } => "files and cameras are matched by name; rename the files",
-            Self::ImagesTwice { .. } => "move one kind elsewhere",
-            Self::GradientsOfSilhouettes { .. } => {
-                "give it the keypoints, too, without `--init`; or use `--method annealed`"
-            }
-            Self::InitWithoutKeypoints => "give them with `--keypoints DIR`, or begin with `--init POINTS.trc`",
-            Self::NoStart => {
-                "give `--init POINTS.trc`, `--keypoints DIR --init keypoints`, or the `--setup` of an earlier run"
-            }
-            Self::MarkerMissing { .. } => {
-                "name the markers like the keypoints of BODY_25B, or begin with `--keypoints DIR --init keypoints`"
-            }
-            _ => "",
-        }
     }
 }

@@ -7,6 +7,7 @@
 mod error;
 mod file_error;
 pub mod files;
+pub mod flag;
 pub mod folder_contents;
 pub mod footage;
 pub mod frame;

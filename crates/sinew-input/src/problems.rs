@@ -11,9 +11,6 @@ pub struct Problems {
 }
 
 impl Problems {
-    /// What the user can do about it.
-    pub const HELP: &str = "`sinew track --help` lists the settings; `--print-config` shows the values in force";
-
     fn listed(&self) -> String {
         let Self { file, problems } = self;
         match &problems[..] {

@@ -24,15 +24,4 @@ impl SizeMisfit {
         let times = |scale| format!(", times {scale} is {:.0}x{:.0}", scale * width, scale * height);
         self.scale.map(times).unwrap_or_default()
     }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> String {
-        match self.fitting {
-            Some(scale) => {
-                format!("if the {} were resized after the calibration, set `mask_scale = {scale}`", self.many)
-            }
-            None => format!("width and height do not fit together: are these the {} of {}?", self.many, self.camera),
-        }
-    }
 }

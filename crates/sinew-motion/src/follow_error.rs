@@ -2,7 +2,6 @@
 
 /// What a motion lacks.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum FollowError {
     /// A point that a fit needs and that the motion lacks.
     #[error(transparent)]
@@ -31,18 +30,3 @@ pub enum FollowError {
     #[error("legs of no plausible length in any unit")]
     Unit,
 }
-
-impl FollowError {
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> Option<String> {
-        match self {
-            Self::UnknownJoints(_) | Self::Gap { .. } | Self::SingleFrame | Self::Unit => Some(NEEDED.into()),
-            Self::NoPose => Some("leave the file out, or cut off its beginning".into()),
-            Self::Body(_) | Self::NoFrames => None,
-        }
-    }
-}
-
-/// What a motion file must have.
-pub const NEEDED: &str = "needed are the positions of neck, head, shoulders, elbows, wrists, hips, knees and ankles, as in BVH files or in `truth.trc` of `sinew demo`";

@@ -41,4 +41,4 @@ pub mod recorded;
 pub mod retarget;
 
 pub use error::Error;
-pub use follow_error::{FollowError, NEEDED};
+pub use follow_error::FollowError;

@@ -3,6 +3,8 @@
 //! The classes stand in `sinew/_errors.py`; the program's exit code chooses one of them. The text has the lines that the program prints: what, `caused by`, `help`.
 
 use pyo3::prelude::*;
+pub(crate) use sinew_words::exit_codes::{FAILED, INPUT, USAGE};
+use sinew_words::in_python;
 use std::error::Error;
 
 /// An error on its way to Python.
@@ -18,13 +20,6 @@ pub(crate) struct Failure {
     pub help: Option<String>,
 }
 
-/// Exit code of a failure for another reason than those below.
-pub(crate) const FAILED: u8 = 1;
-/// Exit code of a wrong call.
-pub(crate) const USAGE: u8 = 2;
-/// Exit code of bad input data.
-pub(crate) const INPUT: u8 = 3;
-
 impl Failure {
     /// A failure with a code, its causes and help.
     pub(crate) fn new(code: u8, error: &dyn Error, help: Option<String>) -> Self {
@@ -34,7 +29,8 @@ impl Failure {
             causes.push(inner.to_string());
             cause = inner.source();
         }
-        Self { code, what: error.to_string(), causes, help }
+        let help = help.as_deref().map(in_python);
+        Self { code, what: in_python(&error.to_string()), causes, help }
     }
 
     /// An argument that cannot be used.
@@ -90,8 +86,8 @@ macro_rules! program_errors {
     ($($error:ty),+) => {
         $(impl From<$error> for Failure {
             fn from(error: $error) -> Self {
-                let help = error.help();
-                Self::new(error.exit_code(), &error, help)
+                let error = sinew_report::Error::from(error);
+                Self::new(sinew_words::exit_code(&error), &error, sinew_words::help(&error))
             }
         })+
     };
@@ -104,9 +100,14 @@ program_errors!(
     sinew_results::Error,
     sinew_motion::Error,
     sinew_analysis::Error,
-    sinew_report::Error,
-    sinew_batch::Error
+    sinew_report::Error
 );
+
+impl From<sinew_batch::Error> for Failure {
+    fn from(error: sinew_batch::Error) -> Self {
+        Self::new(sinew_words::exit_codes::of_study(&error), &error, sinew_words::batch::help(&error))
+    }
+}
 
 impl From<sinew::formats::Error> for Failure {
     fn from(error: sinew::formats::Error) -> Self {

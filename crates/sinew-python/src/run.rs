@@ -34,7 +34,7 @@ fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 
 impl Heard {
     fn text(&self, kind: &'static str, text: &str) {
-        locked(&self.texts).push((kind, text.to_owned()));
+        locked(&self.texts).push((kind, sinew_words::in_python(text)));
     }
 
     /// Hands everything on: `hear(kind, text)` and `count(what, unit, done, total)`.

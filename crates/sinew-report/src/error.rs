@@ -1,4 +1,4 @@
-//! What can go wrong where results are shown, with the exit code and the advice that belong to it.
+//! What can go wrong where results are shown.
 
 use crate::inspect::error::InspectError;
 use crate::overlay::error::OverlayError;
@@ -9,7 +9,6 @@ use sinew_setup::SetupError;
 
 /// Everything that ends a page, a picture or an inspection early.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum Error {
     /// A recording, result or file that cannot be used.
     #[error(transparent)]
@@ -31,25 +30,3 @@ impl From<LearnError> for Error {
 sinew_input::errors_from_below!(
     Error::Analysis: sinew::Error, sinew_motion::Error, sinew_results::Error, sinew_setup::Error, sinew_input::Error, sinew_formats::Error, FileError, InputError, SetupError, ReadError, ResultsError
 );
-
-impl Error {
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        match self {
-            Self::Analysis(error) => error.exit_code(),
-            Self::Inspect(error) => error.exit_code(),
-            Self::Overlay(error) => error.exit_code(),
-        }
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> Option<String> {
-        match self {
-            Self::Analysis(error) => error.help(),
-            Self::Inspect(error) => Some(error.help().into()),
-            Self::Overlay(error) => error.help().map(Into::into),
-        }
-    }
-}

@@ -41,7 +41,7 @@ mod toml_file;
 pub use action_picture::action_picture;
 pub use actions::picture_of_actions;
 pub use error::InspectError;
-pub use facts::Facts;
+pub use facts::{Facts, Odd};
 pub use file_facts::file_facts;
 pub use latent_picture::latent_picture;
 pub use model_picture::model_picture;

@@ -1,4 +1,4 @@
-//! What can be wrong with a result folder, with the exit code and the advice that belong to it.
+//! What can be wrong with a result folder.
 
 use crate::problem::Problem;
 use crate::read_error::ReadError;
@@ -10,7 +10,6 @@ use std::path::{Path, PathBuf};
 
 /// A result folder, or what it was made from, that cannot be used.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum Error {
     /// A recording, body or set-up that cannot be used.
     #[error(transparent)]
@@ -76,32 +75,5 @@ impl Error {
     /// An [`Error::Checkpoint`].
     pub fn checkpoint(folder: &Path, problem: Problem) -> Self {
         Self::Checkpoint { folder: folder.to_owned(), problem: Box::new(problem) }
-    }
-
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        match self {
-            Self::Checkpoint { problem, .. } => problem.exit_code(),
-            Self::Setup(error) => error.exit_code(),
-            Self::Results(error) => error.exit_code(),
-            Self::Read(error) => error.exit_code(),
-            Self::OutputIsInput { .. } => 2,
-            Self::OutputExists { .. } | Self::OutputLocked { .. } => 5,
-        }
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> Option<String> {
-        match self {
-            Self::Setup(error) => error.help(),
-            Self::Results(error) => error.help(),
-            Self::Read(error) => Some(error.help().into()),
-            Self::OutputExists { found, .. } => Some(found.help().into()),
-            Self::OutputLocked { .. } => Some("wait for it to end, or choose another folder with `-o`".into()),
-            Self::Checkpoint { problem, .. } => Some(problem.help().into()),
-            Self::OutputIsInput { .. } => Some("choose another folder with `-o`".into()),
-        }
     }
 }

@@ -1,4 +1,4 @@
-//! Why a run that was stopped cannot be resumed, with exit code and advice.
+//! Why a run that was stopped cannot be resumed.
 
 use std::path::PathBuf;
 
@@ -10,7 +10,6 @@ pub const FORMAT: u32 = 14;
 
 /// Why a run cannot be resumed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum Problem {
     /// No run was stopped here.
     #[error("holds no checkpoint: there is no run to resume")]
@@ -85,40 +84,10 @@ pub enum Problem {
 }
 
 impl Problem {
-    /// Exit code of the program.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        match self {
-            Self::Missing | Self::BeforeFirst | Self::Whom { .. } | Self::Settings(_) | Self::Program { .. } => 2,
-            Self::Inputs(_) => 3,
-            _ => 5,
-        }
-    }
-
     /// Whether there is no frame yet from which a run could be resumed.
     #[must_use]
     pub const fn is_before_first(&self) -> bool {
         matches!(self, Self::Missing | Self::BeforeFirst)
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub const fn help(&self) -> &'static str {
-        match self {
-            Self::Missing => "leave `--resume` out to begin a run, or name the folder of a stopped one with `-o`",
-            Self::BeforeFirst => "repeat the command without `--resume`: it begins again",
-            Self::Whom { .. } => {
-                "give `--people` and `--person` as that run had them, another folder with `-o`, or `--force` instead of `--resume` to begin again"
-            }
-            Self::Settings(_) => {
-                "repeat the settings of the run that was stopped (its config.toml or config.toml.partial holds them), or begin again with `--force` instead of `--resume`"
-            }
-            Self::Inputs(_) => "put the data back as they were, or begin again with `--force` instead of `--resume`",
-            Self::Program { .. } | Self::Format { .. } => {
-                "continue with the version of the program that began the run, or begin again with `--force` instead of `--resume`"
-            }
-            _ => "begin again with `--force` instead of `--resume`",
-        }
     }
 }
 

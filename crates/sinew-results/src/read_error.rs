@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 /// A folder that does not hold whole results.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum ReadError {
     /// A folder without the summary of a run.
     #[error("{}: no results: summary.json is missing", .0.display())]
@@ -29,29 +28,4 @@ pub enum ReadError {
     /// Files of different runs.
     #[error("{} and frames.csv are of different runs", .0.display())]
     OtherRun(PathBuf),
-}
-
-impl ReadError {
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        match self {
-            Self::Running(_) => 5,
-            _ => 3,
-        }
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub const fn help(&self) -> &'static str {
-        match self {
-            Self::NoSummary(_) => "give the folder that `sinew track` wrote, `sinew-out/<trial>` or what `-o` said",
-            Self::Stopped(_) => {
-                "continue with the same command and `--resume`; an interrupt with Ctrl-C writes its files"
-            }
-            Self::Running(_) => "wait for its end",
-            Self::NoFile { .. } | Self::OtherRun(_) => "track again, or take the folder as the run left it",
-            Self::NoFrames(_) => "track again, or continue with `--resume`",
-        }
-    }
 }

@@ -6,7 +6,6 @@ use std::path::PathBuf;
 
 /// Results that cannot be written or read back.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
 pub enum ResultsError {
     /// An estimate of another size than the run's.
     #[error("frame {frame}: {what}: {found} numbers instead of {expected}")]
@@ -168,46 +167,6 @@ fn frames(asked: Option<&Range<u64>>) -> String {
     asked.map_or_else(|| "frames".into(), |range| format!("frames {}", span(range)))
 }
 
-impl ResultsError {
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        match self {
-            Self::EstimateSize { .. } | Self::NotFinite { .. } | Self::LackingStatistics(_) => 1,
-            Self::SeveralPeople(_) => 2,
-            _ => 3,
-        }
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> Option<String> {
-        let fixed = match self {
-            Self::EstimateSize { .. }
-            | Self::NotFinite { .. }
-            | Self::LackingStatistics(_)
-            | Self::Cell { .. }
-            | Self::Value { .. } => {
-                return None;
-            }
-            Self::SeveralPeople(folder) => {
-                return Some(format!("give one of them, for example `{}`", folder.join("people/01").display()));
-            }
-            Self::NoSummary(_) => {
-                "give the folder that `sinew track` wrote with `-o`; a run that was stopped is continued with `--resume`"
-            }
-            Self::OtherTrial { .. } => "track both with the same `--body` and `--angles`",
-            Self::NoDraws(_) => "give the folder of a run of `sinew track` that came to its end",
-            Self::NoSuchFrames { .. } => "`--frames A..B` takes the numbers in the file names, A included, B not",
-            Self::UnknownCamera { .. } => "give the calibration that was tracked with",
-            Self::OtherLength { .. } => "are all files of this folder of one run?",
-            Self::NoColumn { .. } => "is this file of a result folder?",
-            Self::Shares { .. } => "a frame has a row for each cluster and model; take the file as the run wrote it",
-        };
-        Some(fixed.into())
-    }
-}
-
 /// What is in the way of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Occupied {
@@ -233,21 +192,6 @@ impl Occupied {
             Self::Results => "exists and holds results",
             Self::StoppedRun => "exists and holds a run that was stopped",
             Self::NotEmpty => "exists and is not empty",
-        }
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub const fn help(self) -> &'static str {
-        match self {
-            Self::File => "write to another file, or replace it with `--force`",
-            Self::NotAFolder => "choose another folder with `-o`, or remove the file",
-            Self::StoppedRun => {
-                "continue it with `--resume`, choose another folder with `-o`, or replace what is there with `--force`"
-            }
-            Self::Results | Self::NotEmpty => {
-                "choose another folder with `-o`, or replace what is there with `--force`"
-            }
         }
     }
 }

@@ -13,12 +13,13 @@ use super::results_error::ResultsError;
 use super::stored_array::stored_array;
 use crate::Error;
 use serde_json::Value;
-use sinew_angles::standing::{StandingAngles, TrialRun, other_sizes};
+use sinew_angles::standing::{LARGEST_ZERO_DEG, MOST_MOVED_DEG, StandingAngles, StandingDoubt, TrialRun, other_sizes};
 use sinew_angles::{AngleDraws, AngleZero, Convention, JointAngles};
 use sinew_body::KinematicTree;
 use sinew_formats::json_text;
 use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_TEXT_BYTES};
 use sinew_input::files;
+use sinew_input::flag::{flag, flag_with};
 use sinew_setup::{MeasuredErrors, Setup};
 use std::path::{Path, PathBuf};
 
@@ -85,6 +86,33 @@ impl StandingTrial {
             let [found, expected] = [&self.setup, setup].map(|setup| format!("the body {}", setup.body.name()));
             return Err(ResultsError::OtherTrial { folder: self.folder.clone(), found, expected }.into());
         }
-        Ok(self.angles.doubts.iter().cloned().chain(other_sizes(&own, tree)).collect())
+        Ok(self.angles.doubts.iter().chain(&other_sizes(&own, tree)).map(words).collect())
     }
+}
+
+/// A doubt in words.
+fn words(doubt: &StandingDoubt) -> String {
+    let words = match doubt {
+        StandingDoubt::Filtered => format!(
+            "it is filtered, and the mean over its frames is surer of itself than it is right: track it with {}",
+            flag("smooth")
+        ),
+        StandingDoubt::Failed(failed) => format!("its diagnostics failed ({failed}): so may its zero"),
+        StandingDoubt::Unseen(unseen) => {
+            format!("its keypoints do not show {}: no zero is taken off these", unseen.join(", "))
+        }
+        StandingDoubt::Moves(angles) => format!(
+            "angles move by more than {MOST_MOVED_DEG}° over it ({angles}): choose frames in which the person stands still, {}",
+            flag_with("frames", "A..B")
+        ),
+        StandingDoubt::LargeZeros(angles) => format!(
+            "zeros are above {LARGEST_ZERO_DEG}° ({angles}): angles are subtracted, not rotations, and angles of one joint mix; does the person stand upright and look ahead, with hanging arms?"
+        ),
+        StandingDoubt::OtherSizes(share) => format!(
+            "the sizes of its body differ from this run's by {:.0} %: is it the same person? Take its set-up for both, {}",
+            100.0 * share,
+            flag_with("setup", "TRIAL/setup.toml")
+        ),
+    };
+    format!("standing trial: {words}")
 }

@@ -4,7 +4,6 @@ use super::warning::SetupWarning;
 
 /// A recording that cannot be set up.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum SetupError {
     /// No keypoint is sure enough.
     #[error("the surest keypoint has confidence {surest:.3}; {least} is needed to set up")]
@@ -175,65 +174,4 @@ fn listed(segments: &[SegmentLength]) -> String {
         format!("{name} of {found_m:.2} m (people: {least:.2} to {most:.2} m)")
     };
     segments.iter().map(one).collect::<Vec<_>>().join(", ")
-}
-
-impl SetupError {
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        match self {
-            Self::Unwritable(_) | Self::Lasting(_) => 1,
-            _ => 3,
-        }
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> Option<String> {
-        let fixed = match self {
-            Self::ResizedImages { scale, .. } => {
-                return Some(format!("`--image-scale {scale:.4}` if all images were resized so after the calibration"));
-            }
-            Self::Unwritable(_) | Self::Lasting(_) => return None,
-            Self::Unsure { .. } => "check `confidence_scale`: it is the confidence that means certainty",
-            Self::Behind(_) | Self::InvertedPoses { .. } => {
-                "the calibration must give the camera from the world, `Xcam = R Xworld + t`"
-            }
-            Self::Nobody { .. } => "look at the keypoint files, and at `--setup-frames`",
-            Self::NoSuchPerson { .. } => {
-                "`--person` counts from 1; here, where nobody can be followed through the recording beforehand, the most complete person at the start is 1"
-            }
-            Self::NobodyUpright { .. } => "give the direction that points up in the calibration's world: `--up X,Y,Z`",
-            Self::NoAgreement { .. } | Self::NoPose => {
-                "check the calibration against the keypoints with `sinew inspect`"
-            }
-            Self::TooFewKeypoints { .. } => "check `--layout`",
-            Self::SomebodyElse { .. } => {
-                "choose who is tracked with `--person`, leave the camera out of `--cameras`, or look at the calibration with `sinew inspect`"
-            }
-            Self::OtherRate { .. } => {
-                "resample the keypoints to one frame rate, or leave the camera out of `--cameras`"
-            }
-            Self::Millimetres(_) => "give the translations of the calibration in metres",
-            Self::ImpossibleHeight { .. } => {
-                "give translations in metres, and the camera from the world, `Xcam = R Xworld + t`"
-            }
-            Self::SegmentLengths { .. } => {
-                "check `--layout` (`sinew inspect` says what the keypoints look like) and the unit of the calibration; `--any-size` takes the person as measured"
-            }
-            Self::Fast(_) => {
-                "give the frame rate of the cameras with `--fps`; `--any-size` tracks the motion all the same"
-            }
-            Self::ExchangedCameras { .. } => {
-                "exchange the names of the two in the calibration, or their folders of keypoints"
-            }
-            Self::NoPoseOfFile { .. } => {
-                "name more of its points as the layout does; `sinew body h32` shows a body that has them"
-            }
-            Self::NoFlesh(_) => {
-                "give the body file solids (`[[solid]]`), name its links as `sinew body h32` does, or use a method for keypoints"
-            }
-        };
-        Some(fixed.into())
-    }
 }

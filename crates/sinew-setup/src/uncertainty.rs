@@ -4,6 +4,7 @@
 
 use super::lasting_sources::{PointSources, SOURCES};
 use serde::Serialize;
+use sinew_input::flag::flag;
 
 /// What the uncertainty of a joint comes from: shares of its variance, which add to 1. A share is negative where the errors of a source cancel those of another.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -42,7 +43,7 @@ const LISTED: usize = 8;
 
 /// Names of the sources in words, and what would help against each; the first are the frames themselves.
 const WORDS: [(&str, &str); SOURCES + 1] = [
-    ("noise of each frame", "another camera, or `--smooth`"),
+    ("noise of each frame", "another camera"),
     ("cameras", "a better calibration"),
     ("lengths of the body", "measured lengths, or a recording in which the limbs bend and turn"),
     ("places of keypoints", "a static trial with measured joints"),
@@ -111,8 +112,8 @@ fn help_against(source: usize, joints: &[JointUncertainty], is_smoothed: bool) -
         _ => format!("{} %", shares[0]),
     };
     let (name, help) = WORDS[source];
-    let help = if source == 0 && is_smoothed { "another camera" } else { help };
-    Some(format!("{name}: the largest part of {whose} ({range} of the variance); would help: {help}"))
+    let smoothing = if source == 0 && !is_smoothed { format!(", or {}", flag("smooth")) } else { String::new() };
+    Some(format!("{name}: the largest part of {whose} ({range} of the variance); would help: {help}{smoothing}"))
 }
 
 #[cfg(test)]

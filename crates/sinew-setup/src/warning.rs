@@ -1,5 +1,6 @@
 //! What the set-up found odd.
 
+use sinew_input::flag::{flag, flag_with};
 use sinew_input::lag::ClockLag;
 use sinew_input::up_axis::Z_UP;
 use sinew_observe::clocks::camera_lag::CameraLag;
@@ -125,7 +126,8 @@ impl fmt::Display for SetupWarning {
             ),
             Self::Fast { part, m_per_s, fastest_m_per_s, fps } => write!(
                 f,
-                "at {fps} frames per second the person's {part} would move at {m_per_s:.0} m/s, where the fastest people reach {fastest_m_per_s} m/s; is `--fps` right?"
+                "at {fps} frames per second the person's {part} would move at {m_per_s:.0} m/s, where the fastest people reach {fastest_m_per_s} m/s; is {} right?",
+                flag("fps")
             ),
             Self::Behind { cameras, of, names } => {
                 write!(f, "in {cameras} of {of} cameras the subject lies behind the lens; is the pose inverted?")?;
@@ -139,11 +141,13 @@ impl fmt::Display for SetupWarning {
                     Z_UP => write!(f, "leave `up_axis` and `up` out (found: {up_axis}, the default)")?,
                     _ => write!(f, "set `up_axis` (found: {up_axis})")?,
                 }
-                write!(f, ", or let the person say where up is: `--up auto`")
+                write!(f, ", or let the person say where up is: {}", flag_with("up", "auto"))
             }
             Self::Unlevel { tilt_deg, sd_deg } => write!(
                 f,
-                "the world is not level: the person stands {tilt_deg:.0} ± {sd_deg:.0}° away from its z axis; `--up auto` levels it by the person, `--up X,Y,Z` by a direction"
+                "the world is not level: the person stands {tilt_deg:.0} ± {sd_deg:.0}° away from its z axis; {} levels it by the person, {} by a direction",
+                flag_with("up", "auto"),
+                flag_with("up", "X,Y,Z")
             ),
             Self::Scatter { camera, px } => {
                 write!(f, "{camera}: keypoints scatter by {px:.0} px; is this the calibration of this camera?")
@@ -157,9 +161,10 @@ impl fmt::Display for SetupWarning {
                     let side = if lag.frames > 0.0 { "late" } else { "early" };
                     format!("{camera} is {:.1} ± {:.1} frames {side}", lag.frames.abs(), lag.sd)
                 });
-                let flag = mended.iter().map(|(camera, lag)| format!("{camera}={lag}")).collect::<Vec<_>>().join(",");
+                let lags = mended.iter().map(|(camera, lag)| format!("{camera}={lag}")).collect::<Vec<_>>().join(",");
                 let late = late.collect::<Vec<_>>().join(", ");
-                write!(f, "{late} against the other cameras; `--lag {flag}` reads the frames that belong together")
+                let mended = flag_with("lag", lags);
+                write!(f, "{late} against the other cameras; {mended} reads the frames that belong together")
             }
             Self::Jump { camera, frame, px } => write!(f, "{camera} frame {frame}: jump of {px:.0} px in all joints"),
             Self::Swapped { camera, first, last, residual_px, swapped_px } => write!(

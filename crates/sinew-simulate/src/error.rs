@@ -1,7 +1,5 @@
 //! Why a scene cannot be simulated.
 
-use sinew_body::standard::EVALUATION_JOINTS;
-
 /// What a simulation refuses.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -15,15 +13,4 @@ pub enum Error {
     /// Cameras that cannot stand around the motion.
     #[error(transparent)]
     Camera(#[from] sinew_observe::Error),
-}
-
-impl Error {
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> Option<String> {
-        match self {
-            Self::MissingJoints(_) => Some(format!("a body needs the points {}", EVALUATION_JOINTS.join(", "))),
-            Self::NotFinite | Self::Camera(_) => None,
-        }
-    }
 }

@@ -1,15 +1,4 @@
-//! What can go wrong in a run, with the exit code and the advice that belong to it.
-//!
-//! | code | meaning |
-//! |---|---|
-//! | 0 | done |
-//! | 1 | failed for another reason: numerical failure, a bug |
-//! | 2 | wrong usage or configuration |
-//! | 3 | bad input data |
-//! | 4 | finished and written, but a diagnostic failed |
-//! | 5 | files and disk |
-//! | 75 | interrupted; what was done is written and marked incomplete, `--resume` continues from there |
-//! | 130 | second interrupt, nothing saved since |
+//! What can go wrong in a run.
 
 use crate::predict::error::PredictError;
 use crate::run::live::error::LiveError;
@@ -23,7 +12,6 @@ use std::path::PathBuf;
 
 /// Everything that ends a run early.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum Error {
     /// A recording, set-up or result folder that cannot be used.
     #[error(transparent)]
@@ -39,7 +27,7 @@ pub enum Error {
     Predict(#[from] PredictError),
     /// The user requested an end where there was nothing new to write.
     #[error("interrupted {0}")]
-    Interrupted(&'static str),
+    Interrupted(String),
     /// Nothing to track with.
     #[error("{}", missing(*calibration, *observation))]
     NothingToTrack {
@@ -95,12 +83,6 @@ const fn missing(calibration: bool, observation: bool) -> &'static str {
     }
 }
 
-/// Commands to try where there was nothing to track with.
-const TRY: &str = "try one of
-  sinew track --calibration Calib.toml --keypoints pose --fps 60
-  sinew track --calibration Calib.toml --silhouettes masks --keypoints pose --method annealed --fps 60
-  sinew demo";
-
 impl Error {
     /// A [`FileError`] in the making: `map_err(Error::io("read", path))`.
     pub fn io(doing: &'static str, path: impl Into<PathBuf>) -> impl FnOnce(io::Error) -> Self {
@@ -115,40 +97,6 @@ impl Error {
             Self::Results(error) => error.file(),
             _ => None,
         }
-    }
-
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        match self {
-            Self::Results(error) => error.exit_code(),
-            Self::Track(error) => error.exit_code(),
-            Self::Predict(error) => error.exit_code(),
-            Self::Live(error) => error.exit_code(),
-            Self::Tracking(_) | Self::Threads(_) => 1,
-            Self::Interrupted(_) => 75,
-            Self::SetupFrames { .. } | Self::NoSuchPerson { .. } => 3,
-            Self::NothingToTrack { .. } | Self::InputIsOutput(_) | Self::ResultIsOutput(_) => 2,
-        }
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> Option<String> {
-        let words = match self {
-            Self::Results(error) => return error.help(),
-            Self::Track(error) => return error.help(),
-            Self::Predict(error) => return error.help(),
-            Self::Live(error) => error.help(),
-            Self::Interrupted(_) | Self::Tracking(_) | Self::Threads(_) => return None,
-            Self::NothingToTrack { .. } => TRY,
-            Self::SetupFrames { .. } => "`--setup-frames A..B` takes the numbers in the file names, A included, B not",
-            Self::NoSuchPerson { .. } => {
-                "`--person` counts from 1 in the order of coming; `sinew inspect` with calibration and keypoints says who is there"
-            }
-            Self::InputIsOutput(_) | Self::ResultIsOutput(_) => "write to another file",
-        };
-        Some(words.to_owned())
     }
 }
 

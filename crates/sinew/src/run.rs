@@ -34,7 +34,7 @@ pub mod threads;
 pub mod whom;
 
 pub use one_person::track_alone;
-pub use pieces::{RESUME, calibration, read_from};
+pub use pieces::{calibration, how_to_resume, read_from};
 pub use request::{CameTo, Request};
 
 use crate::Error;

@@ -74,7 +74,7 @@ impl Trial {
     fn printed(&self, options: &ImageFolderOptions) -> String {
         let text = match self.all(options) {
             Ok((_, silhouettes)) => silhouettes.warnings().join("\n"),
-            Err(error) => printed(&error),
+            Err(error) => printed(error),
         };
         self.without_name(&text)
     }
@@ -84,8 +84,9 @@ impl Trial {
     }
 }
 
-fn printed(error: &InputError) -> String {
-    format!("exit {}: {error}\nhelp: {}", error.exit_code(), error.help().unwrap_or_default())
+fn printed(error: InputError) -> String {
+    let error = sinew_report::Error::from(error);
+    format!("exit {}: {error}\nhelp: {}", sinew_words::exit_code(&error), sinew_words::help(&error).unwrap_or_default())
 }
 
 fn check(name: &str, harm: impl FnOnce(&Trial), options: &ImageFolderOptions) {
@@ -282,5 +283,5 @@ fn pictures_may_be_sparse() {
     assert_eq!(pictures.warnings(), ["camera cam_02: 1 frames have no image although others have one (first: 5)"]);
     fs::write(folder.path().join("cam02_000.png"), b"GIF89a").unwrap();
     let error = Pictures::open(folder.path(), &cameras(), &ImageFolderOptions::default()).unwrap_err();
-    insta::assert_snapshot!("not_a_picture", printed(&error).replace(&folder.path().display().to_string(), "[trial]"));
+    insta::assert_snapshot!("not_a_picture", printed(error).replace(&folder.path().display().to_string(), "[trial]"));
 }

@@ -1,6 +1,6 @@
 //! What rules read and what they find: the text of the workspace, and violations.
 
-use crate::source::{Token, flat, without_tests};
+use crate::source::{Token, flat, literals, without_tests};
 use proc_macro2::TokenStream;
 use std::fs;
 use std::io;
@@ -38,6 +38,11 @@ impl File {
     /// Its syntax, without test modules; none where it is no whole file of Rust.
     pub fn product_syntax(&self) -> Option<syn::File> {
         syn::parse2(self.stream.clone()).ok()
+    }
+
+    /// Its literals outside test modules and comments.
+    pub fn strings(&self) -> Vec<Token> {
+        literals(self.stream.clone())
     }
 
     /// Whether this is Rust.

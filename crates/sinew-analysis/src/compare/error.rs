@@ -4,7 +4,6 @@ use std::path::PathBuf;
 
 /// A result and a reference that cannot be compared.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum CompareError {
     /// A name of the mapping that is not there.
     #[error("`{name}` of the mapping is no point of the {whose}{}", suggested(nearest))]
@@ -61,36 +60,4 @@ const SHOWN: usize = 12;
 fn shown(names: &[String]) -> String {
     let listed = names.iter().take(SHOWN).map(String::as_str).collect::<Vec<_>>().join(", ");
     if names.len() > SHOWN { format!("{listed} and {} more", names.len() - SHOWN) } else { listed }
-}
-
-impl CompareError {
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        match self {
-            Self::SpaceOfAngles(_) => 2,
-            _ => 3,
-        }
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub const fn help(&self) -> &'static str {
-        match self {
-            Self::NoSuchName { .. } => {
-                "a line of the mapping is `ours = \"theirs\"`, or `ours = [\"one\", \"another\"]` for their middle; \
-                 `sinew inspect FILE` lists names"
-            }
-            Self::TooFewNames { .. } => {
-                "write a mapping and give it with `--names`: [points] RKnee = [\"RKNE\", \"RKNM\"]"
-            }
-            Self::TooFewFrames { .. } => {
-                "check that it is of the same trial; `--align both` searches all offsets at which half of the shorter \
-                 recording overlaps"
-            }
-            Self::OnALine(_) => "name more points, or use `--align time` where both share a world",
-            Self::Times(_) => "write the file again with rising times",
-            Self::SpaceOfAngles(_) => "use `--align time` or `--align none`, without `--scale`",
-        }
-    }
 }

@@ -14,12 +14,13 @@ use sinew::angles::{AngleDraws, Convention, JointAngles};
 use sinew::files::read_text;
 use sinew::setup::Setup;
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
+use sinew_input::flag::flag_with;
 use sinew_results::stored_array::stored_array;
 use std::path::Path;
 
 /// What is said where they cannot be had.
 const LEFT_OUT: &str = "`pelvis_tilt`, `pelvis_list` and `pelvis_rotation` depend on where somebody faces, and a standing \
-     trial was taken off them: they are left out of the cycles; track with `--angles isb`";
+     trial was taken off them: they are left out of the cycles; track with";
 
 /// The series of a folder with a run's summary, with angles of the pelvis that do not depend on the heading; and what a reader should know.
 pub(super) fn heading_free(
@@ -35,7 +36,7 @@ pub(super) fn heading_free(
     if let [tilt, list, rotation] = &own[..] {
         let zeros = &summary["angles"]["zero_deg"];
         if OPENSIM_PELVIS.iter().any(|name| zeros[*name].is_array()) {
-            warnings.push(LEFT_OUT.to_owned());
+            warnings.push(format!("{LEFT_OUT} {}", flag_with("angles", "isb")));
         } else {
             series.splice(0..0, turned(folder, [tilt, list, rotation])?);
         }

@@ -1,16 +1,16 @@
 //! What is refused when masks are made from images.
 
+use sinew_input::flag::flag;
 use std::path::PathBuf;
 
 /// Images or settings from which no masks can be made.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum SegmentError {
-    /// A flag whose value is out of its range.
-    #[error("`--{flag}` is {value}; it must be {range}")]
+    /// A setting whose value is out of its range.
+    #[error("{} is {value}; it must be {range}", flag(setting))]
     OutOfRange {
-        /// Flag.
-        flag: &'static str,
+        /// Setting.
+        setting: &'static str,
         /// Value given.
         value: f64,
         /// Values allowed.
@@ -42,27 +42,4 @@ pub enum SegmentError {
 
 fn quoted(folders: &[PathBuf]) -> String {
     folders.iter().map(|folder| format!("`{}`", folder.display())).collect::<Vec<_>>().join(", ")
-}
-
-impl SegmentError {
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        match self {
-            Self::OutOfRange { .. } => 2,
-            Self::NoBackground { .. } | Self::OtherSize { .. } => 3,
-        }
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub const fn help(&self) -> &'static str {
-        match self {
-            Self::OutOfRange { .. } => "`sinew segment --help` lists the flags with their defaults",
-            Self::NoBackground { .. } => {
-                "images and background are matched by the names of the cameras; rename the files"
-            }
-            Self::OtherSize { .. } => "images and background of a camera must have one size",
-        }
-    }
 }

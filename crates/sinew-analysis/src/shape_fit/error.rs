@@ -2,7 +2,6 @@
 
 /// Masks or solids that cannot be compared.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum ShapeFitError {
     /// Solids that no body has.
     #[error("{0}")]
@@ -20,22 +19,4 @@ pub enum ShapeFitError {
     /// Masks without anybody.
     #[error("none of the frames chosen has a mask with a person")]
     Nobody,
-}
-
-impl ShapeFitError {
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        3
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub const fn help(&self) -> Option<&'static str> {
-        match self {
-            Self::Solids(_) => None,
-            Self::OtherSize { .. } => Some("resize the camera to its masks"),
-            Self::Nobody => Some("choose others with `--frames`"),
-        }
-    }
 }

@@ -162,7 +162,7 @@ mod tests {
         let listed = [camera("C1", &first, true), camera("C2", &second, true)];
         for trim in [false, true] {
             let error = ranges(&listed, None, trim).unwrap_err();
-            assert!(error.help().unwrap().contains("`--lag C2=3000`"), "{error}");
+            assert!(matches!(error, Error::Format(sinew_formats::Error::FrameRanges { .. })), "{error}");
         }
         let mended = [camera("C1", &first, true), camera("C2", &second, true).late_by(ClockLag::whole(3000))];
         assert_eq!(frames(&mended, false), Ok(0..60));
@@ -178,6 +178,5 @@ mod tests {
             error.to_string(),
             "frame numbers run from 0 to 9000000, but there are only 3 frames in the file of a camera"
         );
-        assert!(error.help().unwrap().contains("`image_id`"));
     }
 }

@@ -6,6 +6,7 @@
 use super::keypoint_camera::KeypointCamera;
 use crate::Error;
 use crate::files::FNV_START;
+use crate::flag::flag;
 use crate::input_error::InputError;
 use sinew_formats::openpose::{OpenposeOptions, OpenposePerson};
 use sinew_formats::{Layout, layout};
@@ -49,8 +50,9 @@ pub(crate) fn people_layout(people: &[OpenposePerson], place: &Path) -> Result<(
             let chosen = layout::find(name)?;
             let names: Vec<&str> = fitting.iter().map(|layout| layout.name.as_str()).collect();
             let warning = format!(
-                "{numbers} numbers a person fit {}; {name} taken, by the place of the hips (`--layout` sets it)",
-                names.join(" and ")
+                "{numbers} numbers a person fit {}; {name} taken, by the place of the hips ({} sets it)",
+                names.join(" and "),
+                flag("layout")
             );
             Ok((chosen, Some(warning)))
         }
@@ -71,7 +73,11 @@ pub(super) fn contradiction(cameras: &[KeypointCamera], named: &Layout) -> Optio
     let found = has_mid_hip_at_8(&people)?;
     let look = if found { BODY_25 } else { BODY_25B };
     (found != expected).then(|| {
-        format!("keypoints look like {look}, by the place of the hips; {} was requested (`--layout`)", named.name)
+        format!(
+            "keypoints look like {look}, by the place of the hips; {} was requested ({})",
+            named.name,
+            flag("layout")
+        )
     })
 }
 

@@ -17,7 +17,7 @@ use std::path::Path;
 const READ: usize = 200;
 
 /// What a keypoint folder holds.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Survey {
     /// Meaning of the keypoint indices.
     pub layout: Layout,
@@ -26,7 +26,16 @@ pub struct Survey {
     /// Its cameras, by name.
     pub cameras: Vec<CameraSurvey>,
     /// What is odd.
-    pub warnings: Vec<String>,
+    pub odd: Vec<Oddity>,
+}
+
+/// Something odd about a keypoint folder.
+#[derive(Debug)]
+pub enum Oddity {
+    /// In words.
+    Words(String),
+    /// Frames of cameras that a recording would be refused for.
+    Refused(Error),
 }
 
 /// What a camera's folder holds.
@@ -69,7 +78,7 @@ pub fn survey(keypoints: &Path, options: &RecordingOptions) -> Result<Survey, Er
     }
     let said = keypoint_sources::layout(&sources)?;
     let mut listed = Vec::new();
-    let mut warnings = Vec::new();
+    let (mut odd, mut warnings) = (Vec::new(), Vec::new());
     let in_image_shares = sources.iter().any(KeypointSource::in_image_shares);
     for source in sources {
         let name = source.name.clone();
@@ -90,7 +99,8 @@ pub fn survey(keypoints: &Path, options: &RecordingOptions) -> Result<Survey, Er
         Ok(spans)
     });
     let spans = spans.unwrap_or_else(|error| {
-        warnings.push(error.help().map_or_else(|| error.to_string(), |help| format!("{error}; {help}")));
+        odd.extend(warnings.drain(..).map(Oddity::Words));
+        odd.push(Oddity::Refused(error));
         vec![]
     });
     let numbers = |camera: &KeypointCamera| -> Vec<u64> {
@@ -113,7 +123,8 @@ pub fn survey(keypoints: &Path, options: &RecordingOptions) -> Result<Survey, Er
         let read = camera(keypoints, numbers, &layout, options.confidence_scale, &mut warnings)?;
         cameras.push(CameraSurvey { in_image_shares, ..read });
     }
-    Ok(Survey { layout, is_guess: guessed.is_some(), cameras, warnings })
+    odd.extend(warnings.into_iter().map(Oddity::Words));
+    Ok(Survey { layout, is_guess: guessed.is_some(), cameras, odd })
 }
 
 fn camera(

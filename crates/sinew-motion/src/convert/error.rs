@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 /// A motion that cannot be read or converted.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum MotionError {
     /// A file of another extension.
     #[error("{}: no motion format has the extension `.{extension}`", path.display())]
@@ -100,42 +99,4 @@ pub enum MotionError {
         /// Why.
         problem: crate::FollowError,
     },
-}
-
-impl MotionError {
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        match self {
-            Self::NoMotion { .. }
-            | Self::NoTimes { .. }
-            | Self::NoColumns { .. }
-            | Self::Unwritable { .. }
-            | Self::NoPoints { .. }
-            | Self::Joints { .. } => 3,
-            _ => 2,
-        }
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> Option<String> {
-        let fixed = match self {
-            Self::UnknownExtension { .. } => {
-                "known: .trc, .c3d, .bvh, .mot, .csv, .amc to read and .glb to write; calibrations are written as .toml, .yml and .qca.txt"
-            }
-            Self::NeedlessSkeleton { .. } => "`--skeleton` belongs to .amc files; leave it out",
-            Self::NoSkeleton { .. } => "give its skeleton with `--skeleton FILE.asf`",
-            Self::NoMotion { motions, .. } => return Some(format!("convert {motions}")),
-            Self::NoTimes { .. } => "name the column of the times `time_s`, in seconds",
-            Self::OtherBones { .. } => "give motion.bvh of a result folder",
-            Self::ReadOnly => "write .bvh instead",
-            Self::WriteOnly { .. } => "give motion.bvh of the same result folder",
-            Self::Impossible { instead, .. } => instead,
-            Self::NoPoints { .. } => crate::NEEDED,
-            Self::Joints { problem, .. } => return problem.help(),
-            Self::NoColumns { .. } | Self::Unwritable { .. } => return None,
-        };
-        Some(fixed.into())
-    }
 }

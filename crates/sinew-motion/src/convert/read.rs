@@ -11,6 +11,7 @@ use sinew_formats::point_table::{self, PointTable};
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::{amc, asf, bvh, tidy_csv, trc};
 use sinew_input::files;
+use sinew_input::flag::typed;
 use sinew_results::people::refuse_several;
 use sinew_results::result_table::{MOTION_FILES, ResultTable};
 use std::path::Path;
@@ -58,7 +59,8 @@ pub fn read(path: &Path, skeleton: Option<&Path>, fps: Option<f64>) -> Result<Mo
             let mut warnings: Vec<String> = amc.warnings.iter().map(ToString::to_string).collect();
             if fps.is_none() {
                 warnings.push(format!(
-                    "{name}: AMC files state no rate; {AMC_RATE_HZ} frames per second assumed (`sinew convert --fps` sets another)"
+                    "{name}: AMC files state no rate; {AMC_RATE_HZ} frames per second assumed (`sinew convert {}` sets another)",
+                    typed("fps")
                 ));
             }
             let start_frame = amc.frames.first().map_or(1, |frame| i64::try_from(frame.number).unwrap_or(1));

@@ -6,7 +6,6 @@ use std::path::PathBuf;
 
 /// Motion from which nothing can be learned.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum LearnError {
     /// An AMC file without a skeleton beside it.
     #[error("{}: neither `{sought}` nor one single .asf file is beside it", path.display())]
@@ -98,37 +97,4 @@ pub enum LearnError {
     /// A file that is no latent model.
     #[error(transparent)]
     LatentModel(#[from] LatentFileError),
-}
-
-impl LearnError {
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        3
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> Option<String> {
-        match self {
-            Self::NoSkeleton { .. } => Some("give the skeleton with `--skeleton FILE.asf`".into()),
-            Self::Follow { problem, .. } => problem.help().or_else(|| Some("leave the file out".into())),
-            Self::OtherUnits { .. } => Some("check the units of the file and numbers that are out of place".into()),
-            Self::TooShort { .. } => Some("leave the file out, or learn at a higher rate with `--fps`".into()),
-            Self::Learning(_) => {
-                Some("give more motion, fewer clusters (`--clusters`) or shorter primitives (`--length`)".into())
-            }
-            Self::NoWindows { .. } => Some("give longer recordings, or a shorter `--length`".into()),
-            Self::Unwritable(_) => Some("give more motion, or fewer clusters (`--clusters`)".into()),
-            Self::Model(error) => Some(error.help()),
-            Self::ShortSequence { .. } => Some("leave the file out, or learn at a higher rate with `--fps`".into()),
-            Self::TooManySequences { .. } => Some("give fewer files, or allow more rows with `--rows`".into()),
-            Self::FewComponents { .. } => Some("give more motion, or fewer coordinates with `--dim`".into()),
-            Self::StillLimb { .. } => Some("give motion of the whole body, or learn `--model gpdm`".into()),
-            Self::Latent(_) | Self::UnwritableLatent(_) => {
-                Some("give more motion, or fewer coordinates with `--dim`".into())
-            }
-            Self::LatentModel(error) => Some(error.help()),
-        }
-    }
 }

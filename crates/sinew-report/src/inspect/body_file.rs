@@ -1,6 +1,6 @@
 //! What a body file and a mapping of keypoints hold.
 
-use super::facts::{Facts, shortened};
+use super::facts::{Facts, Odd, shortened};
 use crate::Error;
 use sinew::files::read_text;
 use sinew::input::recording::check_layout;
@@ -33,9 +33,9 @@ pub(super) fn mapping(path: &Path) -> Result<Facts, Error> {
     let mut facts = Facts::new(format!("{}: mapping of {} keypoints", path.display(), layout.points.len()));
     facts.row("known", format!("{}: {}", used.len(), shortened(&used)));
     if !unused.is_empty() {
-        facts.odd.push(format!("points that the body h32 lacks, ignored: {}", shortened(&unused)));
+        facts.odd.push(format!("points that the body h32 lacks, ignored: {}", shortened(&unused)).into());
     }
-    facts.odd.extend(check_layout(&layout).err().map(|error| error.to_string()));
+    facts.odd.extend(check_layout(&layout).err().map(|error| Odd::Words(error.to_string())));
     Ok(facts)
 }
 

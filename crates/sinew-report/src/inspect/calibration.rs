@@ -1,6 +1,6 @@
 //! What a calibration holds: image, lens and place of each camera.
 
-use super::facts::Facts;
+use super::facts::{Facts, Odd};
 use crate::Error;
 use sinew::files::read_text;
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
@@ -33,14 +33,16 @@ pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
         );
         facts.row(&camera.name, place);
     }
-    facts.odd.extend(calibration.warnings.iter().map(ToString::to_string));
-    facts.odd.extend(calib_toml::far_cameras(&calibration.cameras, HEIGHT_M).map(|warning| warning.to_string()));
+    facts.odd.extend(calibration.warnings.iter().map(|warning| Odd::Words(warning.to_string())));
+    facts
+        .odd
+        .extend(calib_toml::far_cameras(&calibration.cameras, HEIGHT_M).map(|warning| Odd::Words(warning.to_string())));
     for (index, camera) in calibration.cameras.iter().enumerate() {
         let near = |other: &&sinew_observe::Camera| {
             camera.centre().iter().zip(other.centre()).all(|(a, b)| (a - b).abs() < 0.01)
         };
         if let Some(other) = calibration.cameras[..index].iter().find(near) {
-            facts.odd.push(format!("{} and {} stand at the same place", other.name, camera.name));
+            facts.odd.push(format!("{} and {} stand at the same place", other.name, camera.name).into());
         }
     }
     Ok(facts)

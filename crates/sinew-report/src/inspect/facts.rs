@@ -1,14 +1,37 @@
 //! What is known about a file or folder, as rows of names and values.
 
+use std::ops::Range;
+
 /// What is known about something.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Debug, Default)]
 pub struct Facts {
     /// What it is.
     pub title: String,
     /// Name and value of each fact.
     pub rows: Vec<(String, String)>,
     /// What is odd.
-    pub odd: Vec<String>,
+    pub odd: Vec<Odd>,
+}
+
+/// Something odd about a file or folder.
+#[derive(Debug)]
+pub enum Odd {
+    /// In words.
+    Words(String),
+    /// Frames of cameras that a recording would be refused for.
+    Refused(sinew_input::Error),
+    /// Cameras that begin or end apart, each with its frames; tracking takes the frames of all, if that is asked for.
+    Apart([(String, Range<u64>); 2]),
+    /// A run that was stopped and can be resumed.
+    Stopped,
+    /// A run of several people that is unfinished.
+    Unfinished,
+}
+
+impl<T: Into<String>> From<T> for Odd {
+    fn from(words: T) -> Self {
+        Self::Words(words.into())
+    }
 }
 
 impl Facts {

@@ -10,7 +10,7 @@
 //!
 //! The set-up pass over the same frames adds what it finds odd: units, axes, cameras that look away, sides swapped.
 
-use super::facts::Facts;
+use super::facts::{Facts, Odd};
 use crate::Error;
 use sinew::input::recording::Recording;
 use sinew::input::roll::Roll;
@@ -59,7 +59,7 @@ pub fn facts(recording: &mut Recording, fps: f64, known: &[String]) -> Result<Fa
     let collected = match collect(&cameras, &layout, &request, frames.iter().cloned().map(Ok::<_, SetupError>)) {
         Ok(collected) => collected,
         Err(error) => {
-            facts.odd.push(error.to_string());
+            facts.odd.push(error.to_string().into());
             verdict(&mut facts);
             return Ok(facts);
         }
@@ -82,10 +82,10 @@ pub fn facts(recording: &mut Recording, fps: f64, known: &[String]) -> Result<Fa
         facts.row(&camera.name, format!("{rms}, offset ({u:+.1}, {v:+.1}) px, then {scatter:.1} px per axis, {clock}"));
     }
     match setup::set_up(&cameras, &layout, &asked, frames.into_iter().map(Ok::<_, SetupError>)) {
-        Ok((_, warnings)) => facts.odd.extend(warnings.iter().map(ToString::to_string)),
-        Err(error) => facts.odd.push(error.to_string()),
+        Ok((_, warnings)) => facts.odd.extend(warnings.iter().map(|warning| Odd::Words(warning.to_string()))),
+        Err(error) => facts.odd.push(error.to_string().into()),
     }
-    facts.odd.retain(|odd| !known.contains(odd));
+    facts.odd.retain(|odd| !matches!(odd, Odd::Words(words) if known.contains(words)));
     verdict(&mut facts);
     Ok(facts)
 }

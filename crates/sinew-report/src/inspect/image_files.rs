@@ -91,16 +91,16 @@ fn camera_facts(camera: &CameraFiles, kind: &Kind, facts: &mut Facts) -> Result<
     let (name, read) = (&camera.camera, shares.len());
     let missing = (range.end - range.start) as usize - camera.len();
     if missing > 0 && kind.one == MASKS.one {
-        facts.odd.push(format!("{name}: {missing} frames between the first and the last have no mask"));
+        facts.odd.push(format!("{name}: {missing} frames between the first and the last have no mask").into());
     }
     if sizes.len() > 1 {
-        facts.odd.push(format!("{name}: {} of several sizes: {}", kind.many, all.join(", ")));
+        facts.odd.push(format!("{name}: {} of several sizes: {}", kind.many, all.join(", ")).into());
     }
     let mut warn = |what: &str, found: Vec<u64>| {
         if let Some(first) = found.first() {
-            facts
-                .odd
-                .push(format!("{name}: {} of {read} masks that were read {what} (first: frame {first})", found.len()));
+            facts.odd.push(
+                format!("{name}: {} of {read} masks that were read {what} (first: frame {first})", found.len()).into(),
+            );
         }
     };
     let with =

@@ -1,9 +1,9 @@
 //! What a keypoint folder holds, from an evenly spaced part of its files.
 
-use super::facts::Facts;
+use super::facts::{Facts, Odd};
 use crate::Error;
 use sinew::input::recording::RecordingOptions;
-use sinew::input::recording::survey::{CameraSurvey, survey};
+use sinew::input::recording::survey::{CameraSurvey, Oddity, survey};
 use std::path::Path;
 
 pub(super) fn facts(path: &Path, options: &RecordingOptions) -> Result<Facts, Error> {
@@ -14,20 +14,20 @@ pub(super) fn facts(path: &Path, options: &RecordingOptions) -> Result<Facts, Er
     for camera in &survey.cameras {
         facts.row(&camera.name, line(camera));
     }
-    facts.odd.extend(survey.warnings);
+    facts.odd.extend(survey.odd.into_iter().map(|odd| match odd {
+        Oddity::Words(words) => Odd::Words(words),
+        Oddity::Refused(error) => Odd::Refused(error),
+    }));
     facts.odd.extend(apart(&survey.cameras).filter(|_| !options.trim));
     Ok(facts)
 }
 
 /// Cameras that begin or end apart, which tracking refuses.
-fn apart(cameras: &[CameraSurvey]) -> Option<String> {
+fn apart(cameras: &[CameraSurvey]) -> Option<Odd> {
     let mut whole = cameras.iter().filter(|camera| !camera.leaves_out_nobody);
     let first = whole.next()?;
     let other = whole.find(|camera| (camera.first, camera.end) != (first.first, first.end))?;
-    Some(format!(
-        "{} has frames {}..{}, {} has {}..{}; tracking needs `--trim`, and if cameras are numbered apart, `sinew sync --trim` finds by how much",
-        first.name, first.first, first.end, other.name, other.first, other.end
-    ))
+    Some(Odd::Apart([first, other].map(|camera| (camera.name.clone(), camera.first..camera.end))))
 }
 
 fn line(camera: &CameraSurvey) -> String {

@@ -51,7 +51,7 @@ pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
     facts.row("prior", prior(&model.prior));
     match objective(model, Isa::baseline()) {
         Ok((value, _)) => facts.row("objective", format!("{value:.2}")),
-        Err(error) => facts.odd.push(format!("no objective: {error}")),
+        Err(error) => facts.odd.push(format!("no objective: {error}").into()),
     }
     match reconstruction(model, &model.data, TRIED) {
         Ok(Some(Reconstruction { rms_rad, poses })) => facts.row(
@@ -59,7 +59,7 @@ pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
             format!("{:.2} degrees root mean square over {poses} of its poses", rms_rad.to_degrees()),
         ),
         Ok(None) => {}
-        Err(error) => facts.odd.push(format!("no latents of poses: {error}")),
+        Err(error) => facts.odd.push(format!("no latents of poses: {error}").into()),
     }
     Ok(facts)
 }

@@ -1,6 +1,6 @@
 //! What a motion file holds: points, coordinates or a skeleton, their frames, and where in the world they are.
 
-use super::facts::{Facts, shortened};
+use super::facts::{Facts, Odd, shortened};
 use crate::Error;
 use sinew_formats::point_table::PointTable;
 use sinew_motion::convert::{self, Content, Motion};
@@ -30,7 +30,7 @@ pub(super) fn motion_facts(path: &Path, motion: Motion) -> Facts {
     if let Some(points) = motion.points() {
         extent(&mut facts, &points);
     }
-    facts.odd.extend(motion.warnings);
+    facts.odd.extend(motion.warnings.into_iter().map(Odd::Words));
     facts
 }
 
@@ -55,7 +55,9 @@ fn extent(facts: &mut Facts, points: &PointTable) {
             facts.odd.push("all points lie within 5 cm; is the unit of the file right?".into());
         }
         if height > 20.0 {
-            facts.odd.push(format!("points spread over {height:.0} m in height; is the unit of the file right?"));
+            facts
+                .odd
+                .push(format!("points spread over {height:.0} m in height; is the unit of the file right?").into());
         }
     }
 }

@@ -40,7 +40,9 @@ pub(super) fn facts(path: &Path) -> Result<Facts, Error> {
         );
         if !primitives.clustering.converged {
             let iterations = primitives.clustering.iterations;
-            facts.odd.push(format!("{}: clustering had not converged after {iterations} iterations", found.feature));
+            facts
+                .odd
+                .push(format!("{}: clustering had not converged after {iterations} iterations", found.feature).into());
         }
     }
     Ok(facts)

@@ -2,7 +2,7 @@
 //!
 //! Who was seen stands in the `summary.json` of the whole run; what became of a person's run in that of their own folder, which is there before the whole run ends.
 
-use super::facts::Facts;
+use super::facts::{Facts, Odd};
 use crate::Error;
 use serde_json::Value;
 use sinew::files::read_text;
@@ -37,9 +37,9 @@ pub(super) fn facts(folder: &Path, summary: &Value) -> Result<Facts, Error> {
     if is_in_use(folder) {
         facts.odd.push("a run is writing into it now".into());
     } else if summary["complete"] != true {
-        facts.odd.push("the run is unfinished: the same command with `--resume` continues it".into());
+        facts.odd.push(Odd::Unfinished);
     }
-    facts.odd.extend(doubts);
+    facts.odd.extend(doubts.into_iter().map(Odd::Words));
     Ok(facts)
 }
 

@@ -1,6 +1,6 @@
 //! What a result folder says of its run, and whether the run came to its end.
 
-use super::facts::Facts;
+use super::facts::{Facts, Odd};
 use super::people;
 use crate::Error;
 use serde_json::Value;
@@ -34,7 +34,7 @@ pub(super) fn facts(folder: &Path) -> Result<Facts, Error> {
     };
     let partials = partials(folder);
     if folder.join(problem::NAME).exists() && !is_in_use(folder) {
-        facts.odd.push("the run was stopped and can be resumed: the same command with `--resume`".into());
+        facts.odd.push(Odd::Stopped);
     }
     let odd = match (is_in_use(folder), summary.exists()) {
         (true, true) => "a run is writing into it now; these facts are about an earlier one",
@@ -112,7 +112,9 @@ fn summary_facts(folder: &Path, summary: &Value) -> Facts {
         facts.odd.push("the run was interrupted: not all frames are there".into());
     }
     let list = |name: &str| summary[name].as_array().into_iter().flatten().map(text_of).collect::<Vec<_>>();
-    facts.odd.extend(list("failed_diagnostics").iter().map(|failed| format!("diagnostic failed: {failed}")));
-    facts.odd.extend(list("warnings"));
+    facts
+        .odd
+        .extend(list("failed_diagnostics").iter().map(|failed| Odd::Words(format!("diagnostic failed: {failed}"))));
+    facts.odd.extend(list("warnings").into_iter().map(Odd::Words));
     facts
 }

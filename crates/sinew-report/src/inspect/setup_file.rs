@@ -1,6 +1,6 @@
 //! What a set-up of ours holds: the body, the subject's sizes, the noise of each camera.
 
-use super::facts::Facts;
+use super::facts::{Facts, Odd};
 use super::lasting_facts;
 use crate::Error;
 use sinew::files::read_text;
@@ -62,6 +62,6 @@ pub(super) fn facts(path: &Path, calibration: &[Camera]) -> Result<Facts, Error>
     if let Some(known) = setup.lasting.as_ref().filter(|_| problems.is_empty()) {
         lasting_facts::add(&mut facts, known, calibration);
     }
-    facts.odd.extend(problems);
+    facts.odd.extend(problems.into_iter().map(Odd::Words));
     Ok(facts)
 }

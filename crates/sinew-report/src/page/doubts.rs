@@ -52,7 +52,7 @@ fn item(Doubt { is_failed, text, others }: &Doubt<'_>) -> String {
     let first = |text: &str| sentence(text.split(". ").next().unwrap_or_default());
     let others: String = others.iter().map(|text| format!("<p>{}</p>", first(text))).collect();
     let to_do = advice(text)
-        .map_or_else(String::new, |to_do| format!("<p class=\"todo\"><b>What to do:</b> {}</p>", sentence(to_do)));
+        .map_or_else(String::new, |to_do| format!("<p class=\"todo\"><b>What to do:</b> {}</p>", sentence(&to_do)));
     format!("<li class=\"{class}\"><p><b>{word}</b> {}</p>{others}{to_do}</li>\n", sentence(text))
 }
 

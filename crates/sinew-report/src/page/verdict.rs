@@ -1,8 +1,9 @@
 //! The sentences at the top of the page: how well the person is known, and whether to doubt it.
 
 use super::doubts::doubts;
-use super::html::escaped;
+use super::html::{escaped, with_code};
 use super::recorded::{Recorded, RecordedPoint};
+use sinew_input::flag::flag;
 use sinew_observe::cameras::offsets::median;
 
 /// What the intervals are worth in a few words, as HTML, with the sentence of a validation if there was one.
@@ -48,7 +49,8 @@ fn interrupted(recorded: &Recorded) -> String {
     }
     let until = recorded.numbers.last().map_or(String::new(), |number| format!(" to frame {number}"));
     format!(
-        "<strong class=\"bad\">The run was interrupted: this page shows the frames up{}. The same command with <code>--resume</code> continues.</strong> ",
-        escaped(&until)
+        "<strong class=\"bad\">The run was interrupted: this page shows the frames up{}. The same command with {} continues.</strong> ",
+        escaped(&until),
+        with_code(&flag("resume"))
     )
 }

@@ -1,10 +1,12 @@
 //! Where the cameras of a run stand, and what they see of the world.
 
+use super::html::with_code;
 use super::recorded::Recorded;
 use crate::Error;
 use serde_json::{Value, json};
 use sinew::config::{Sources, resolve};
 use sinew::input::recording::Calibrated;
+use sinew_input::flag::flag;
 use sinew_observe::Camera;
 use sinew_results::stored_array::stored_array;
 use sinew_results::tracked::calibrated;
@@ -72,7 +74,12 @@ impl Views {
     /// What the page says where it does not know in which direction cameras look.
     pub(super) fn note(&self) -> String {
         let is_known = self.all.iter().all(|view| view.sees.is_some());
-        let note = "Cameras are drawn as looking at the person, since the calibration of the run is not where it was, or another: <code>--calibration</code> of <code>sinew report</code> gives their directions.";
-        if is_known { String::new() } else { note.into() }
+        if is_known {
+            return String::new();
+        }
+        with_code(&format!(
+            "Cameras are drawn as looking at the person, since the calibration of the run is not where it was, or another: {} of `sinew report` gives their directions.",
+            flag("calibration")
+        ))
     }
 }

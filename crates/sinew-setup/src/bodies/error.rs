@@ -12,17 +12,3 @@ pub struct UnknownBody {
     /// Name that was likely meant.
     pub nearest: Option<&'static str>,
 }
-
-impl UnknownBody {
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        2
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub const fn help(&self) -> &'static str {
-        "give one of these names or the path of a body file, which ends in .toml"
-    }
-}

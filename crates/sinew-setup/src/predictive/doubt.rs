@@ -1,5 +1,7 @@
 //! Doubts about a run, in words: which camera or limb, what was found and expected, what to do.
 
+use sinew_input::flag::{flag, typed};
+
 /// A doubt about the assumed noise, calibration or sizes.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -78,7 +80,7 @@ pub struct Origins {
     pub setup_is_given: bool,
     /// Whether the body was read from a body file; then the set-up does not change its sizes.
     pub body_is_file: bool,
-    /// Number of the tracked person, where the run chose one of several by number (`--person`).
+    /// Number of the tracked person, where the run chose one of several by number.
     pub person: Option<usize>,
     /// Whether the density of a keypoint has a share of gross errors, so that the setting `outlier` counts.
     pub has_outlier_share: bool,
@@ -92,32 +94,42 @@ impl Default for Origins {
 }
 
 impl Origins {
-    const fn offset_advice(self) -> &'static str {
+    fn offset_advice(self) -> String {
         match self.setup_is_given {
-            true => "leave `--setup` out, so that this recording is set up itself, or check this camera's calibration",
-            false => {
-                "check this camera's calibration, or whether it was moved; `--setup-frames` chooses the frames that the set-up looks at"
-            }
+            true => format!(
+                "leave {} out, so that this recording is set up itself, or check this camera's calibration",
+                flag("setup")
+            ),
+            false => format!(
+                "check this camera's calibration, or whether it was moved; {} chooses the frames that the set-up looks at",
+                flag("setup_frames")
+            ),
         }
     }
 
     fn scatter_advice(self) -> String {
         if self.setup_is_given {
-            return "leave `--setup` out, so that this recording is set up itself, or raise `sigma_px` of the camera in the file given".into();
+            return format!(
+                "leave {} out, so that this recording is set up itself, or raise `sigma_px` of the camera in the file given",
+                flag("setup")
+            );
         }
-        let choice = self.person.map(|number| format!("--person {number} ")).unwrap_or_default();
+        let choice = self.person.map(|number| format!("{} {number} ", typed("person"))).unwrap_or_default();
         format!(
-            "raise `sigma_px` of the camera in the setup.toml of this run, and give that file with `{choice}--setup`"
+            "raise `sigma_px` of the camera in the setup.toml of this run, and give that file with `{choice}{}`",
+            typed("setup")
         )
     }
 
-    const fn limb_advice(self) -> &'static str {
+    fn limb_advice(self) -> String {
         match (self.setup_is_given, self.body_is_file) {
-            (true, _) => "leave `--setup` out, so that sizes are measured again",
-            (false, true) => "leave the body file out, so that sizes are measured, or correct its lengths",
-            (false, false) => {
-                "choose frames for the set-up that show the person better (`--setup-frames`), or give a body file with these lengths (`--body`)"
-            }
+            (true, _) => format!("leave {} out, so that sizes are measured again", flag("setup")),
+            (false, true) => "leave the body file out, so that sizes are measured, or correct its lengths".into(),
+            (false, false) => format!(
+                "choose frames for the set-up that show the person better ({}), or give a body file with these lengths ({})",
+                flag("setup_frames"),
+                flag("body")
+            ),
         }
     }
 }

@@ -4,6 +4,7 @@
 //! method is ([`About`]): a setting that is common to all methods needs a line there.
 
 use super::values::SettingValues;
+use crate::input::flag::{flag, flag_with};
 use crate::methods::{About, Gives, LatentUse};
 
 /// The setting beside which another one is idle, in words; `None` for one that counts.
@@ -12,26 +13,26 @@ pub fn idle_beside(key: &str, chosen: &About, methods: &[&'static About], values
     let is = |key: &str, value: &str| values.text(key).as_deref() == Some(value);
     let owner = methods.iter().find(|about| about.settings.iter().any(|setting| setting.key == key));
     match key {
-        "particles" if chosen.particles.is_none() => Some(format!("`--method {}`", chosen.name)),
-        "min_ess" if chosen.gives == Gives::Chains => Some(format!("`--method {}`", chosen.name)),
+        "particles" if chosen.particles.is_none() => Some(flag_with("method", chosen.name)),
+        "min_ess" if chosen.gives == Gives::Chains => Some(flag_with("method", chosen.name)),
         "prior" | "max_r_hat" | "max_r_hat_share" | "max_divergent_share" if chosen.gives != Gives::Chains => {
-            Some(format!("`--method {}`", chosen.name))
+            Some(flag_with("method", chosen.name))
         }
         "images" | "mask_scale" | "score" | "kappa" | "raster" if values.get("silhouettes").is_none() => {
-            Some("no `--silhouettes`".to_owned())
+            Some(format!("no {}", flag("silhouettes")))
         }
-        "images" | "score" | "kappa" if chosen.needs_gradients => Some(format!("`--method {}`", chosen.name)),
-        "latent" if chosen.latent == LatentUse::No => Some(format!("`--method {}`", chosen.name)),
-        "prior" | "joint_limits" if values.get("latent").is_some() => Some("`--latent`".to_owned()),
-        "motion_scale" if values.get("motion_model").is_some() => Some("`--motion-model`".to_owned()),
-        "degrees" if is("noise", "floor") => Some("`--noise floor`".to_owned()),
-        "outlier" if is("noise", "student-t") => Some("`--noise student-t`".to_owned()),
-        "people" if values.get("person").is_some() => Some("`--person`".to_owned()),
-        "people" if values.get("silhouettes").is_some() => Some("`--silhouettes`".to_owned()),
-        "setup_frames" | "people" if values.get("setup").is_some() => Some("`--setup`".to_owned()),
+        "images" | "score" | "kappa" if chosen.needs_gradients => Some(flag_with("method", chosen.name)),
+        "latent" if chosen.latent == LatentUse::No => Some(flag_with("method", chosen.name)),
+        "prior" | "joint_limits" if values.get("latent").is_some() => Some(flag("latent")),
+        "motion_scale" if values.get("motion_model").is_some() => Some(flag("motion_model")),
+        "degrees" if is("noise", "floor") => Some(flag_with("noise", "floor")),
+        "outlier" if is("noise", "student-t") => Some(flag_with("noise", "student-t")),
+        "people" if values.get("person").is_some() => Some(flag("person")),
+        "people" if values.get("silhouettes").is_some() => Some(flag("silhouettes")),
+        "setup_frames" | "people" if values.get("setup").is_some() => Some(flag("setup")),
         _ => match owner {
             Some(owner) if owner.name != chosen.name && owner.gives == Gives::Chains => {
-                Some(format!("`--method {}`", chosen.name))
+                Some(flag_with("method", chosen.name))
             }
             Some(owner) if owner.name != chosen.name => Some(format!("a method other than `{}`", owner.name)),
             _ => None,

@@ -10,6 +10,7 @@ use crate::Error;
 use crate::methods::{self, About, LatentUse, METHODS};
 use sinew_formats::nearest::nearest;
 use sinew_input::Problems;
+use sinew_input::flag::{flag, typed};
 use sinew_input::recording::given::GivenRecording;
 use sinew_input::recording::read_frames::ReadFrames;
 use sinew_setup::KnownSetup;
@@ -170,9 +171,7 @@ impl Resolved {
     pub fn idle_flags(&self) -> Vec<String> {
         let given = self.values.of.iter().filter(|(_, (_, origin))| *origin == Origin::Flag);
         let idle = |key: &str| idle_beside(key, self.method(), &METHODS, &self.values);
-        given
-            .filter_map(|(key, _)| Some(format!("`--{}` changes nothing with {}", key.replace('_', "-"), idle(key)?)))
-            .collect()
+        given.filter_map(|(key, _)| Some(format!("{} changes nothing with {}", flag(key), idle(key)?))).collect()
     }
 
     fn add(&mut self, file: file::ConfigFile) {
@@ -207,8 +206,9 @@ impl Resolved {
     /// A configuration that repeats the run; threads and places for output are left out.
     #[must_use]
     pub fn to_toml(&self) -> String {
+        let again = typed("config");
         let mut out =
-            String::from("# Settings in force. Repeat the run with: sinew track --config config.toml\nroot = true\n");
+            format!("# Settings in force. Repeat the run with: sinew track {again} config.toml\nroot = true\n");
         for (key, value) in self.repeated() {
             let _ = writeln!(out, "{key} = {}", to_toml(&value));
         }

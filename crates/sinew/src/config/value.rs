@@ -2,6 +2,7 @@
 
 use super::setting::{Setting, SettingKind};
 use sinew_formats::nearest::nearest;
+use sinew_input::flag::flag_with;
 use sinew_input::lag::{ClockLag, LagTextError, MOST_FRAMES, MOST_PPM};
 use sinew_input::up_axis::direction;
 use std::ops::Range;
@@ -59,8 +60,9 @@ fn checked_choice(setting: &Setting, known: &[&'static str], text: &str) -> Resu
     }
     if setting.key == "people" && text.parse::<u64>().is_ok_and(|number| number > 1) {
         return Err(format!(
-            "`people` is `{text}`; it must be one of {}; one of several is tracked with `--person {text}`",
-            known.join(", ")
+            "`people` is `{text}`; it must be one of {}; one of several is tracked with {}",
+            known.join(", "),
+            flag_with("person", text)
         ));
     }
     let meant =

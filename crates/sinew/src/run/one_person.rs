@@ -3,7 +3,7 @@
 use super::claimed::{claimed, claimed_in};
 use super::former_results::forget_people;
 use super::listener::{Listener, PassCounter};
-use super::pieces::{RESUME, calibration, setup_frames, within};
+use super::pieces::{calibration, how_to_resume, setup_frames, within};
 use super::refined_calibration;
 use super::request::{CameTo, OneCameTo, Run};
 use super::resume::{Start, stopped_run};
@@ -47,7 +47,7 @@ pub(crate) fn track<S: FrameSource + Send>(
         // What is odd about the input may be why it could not be tracked.
         listener.warnings(&source.warnings());
         if config.out.join(problem::NAME).exists() {
-            listener.note(&format!("the frames before are kept in {}; {RESUME}", config.out.display()));
+            listener.note(&format!("the frames before are kept in {}; {}", config.out.display(), how_to_resume()));
         }
     })?;
     if let Some(path) = &request.write_calibration {

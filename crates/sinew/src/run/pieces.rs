@@ -2,12 +2,16 @@
 
 use crate::Error;
 use crate::config::TrackConfig;
+use crate::input::flag::flag;
 use crate::input::footage::{Footage, Init};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// How a run that ended early is continued.
-pub const RESUME: &str = "the same command with `--resume` continues from there";
+#[must_use]
+pub fn how_to_resume() -> String {
+    format!("the same command with {} continues from there", flag("resume"))
+}
 
 /// Frames of a recording for the set-up pass.
 pub(crate) fn setup_frames(config: &TrackConfig, recording: &Footage) -> Result<Range<u64>, Error> {

@@ -3,6 +3,7 @@
 use super::listener::Listener;
 use crate::Error;
 use crate::config::{Resolved, Sources, TrackConfig, resolve};
+use crate::input::flag::flag;
 use crate::input::recording::RecordingOptions;
 use crate::input::recording::keypoint_sources::stated_rate;
 use std::path::{Path, PathBuf};
@@ -37,7 +38,7 @@ pub fn settings_with_stated_rate(
     let (None, Some(keypoints)) = (config.fps, &config.keypoints) else { return Ok((given, resolved)) };
     // What cannot be read is reported where the recording is opened.
     let Ok(Some(rate)) = stated_rate(keypoints) else { return Ok((given, resolved)) };
-    listener.note(&format!("{rate} frames per second, by the times in {} (`--fps`)", keypoints.display()));
+    listener.note(&format!("{rate} frames per second, by the times in {} ({})", keypoints.display(), flag("fps")));
     given.push(("fps", rate.to_string()));
     let resolved = settings(&given, file)?;
     Ok((given, resolved))

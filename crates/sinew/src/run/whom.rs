@@ -8,6 +8,7 @@ use super::settings::reading;
 use crate::Error;
 use crate::config::value::Value;
 use crate::config::{Resolved, TrackConfig};
+use crate::input::flag::{flag, flag_with};
 use crate::input::footage::Footage;
 use crate::input::roll::{LEAST_S, Roll};
 use crate::input::source::FrameSource as _;
@@ -73,7 +74,7 @@ fn called(recording: &mut Footage, fps: f64, listener: &dyn Listener) -> Result<
     let roll = Roll::call(recording, frames.clone(), fps, &association::Config::default(), |done| {
         counter.at(done);
         if stop.load(Ordering::Relaxed) {
-            return Err(crate::Error::Interrupted("while people were looked for; nothing was written"));
+            return Err(crate::Error::Interrupted("while people were looked for; nothing was written".into()));
         }
         Ok(())
     })?;
@@ -87,13 +88,15 @@ fn not_looked_for(resolved: &Resolved, config: &TrackConfig, recording: &Footage
     let frames = end - start;
     let kind = resolved.single_person_setting().filter(|_| config.person.is_none());
     let because = match (kind, recording.cameras().len()) {
-        (Some(kind), _) => format!("`--{kind}` is of one person; `--person N` says which"),
-        (None, 0 | 1) => "with one camera nobody can find out who is who; this is the most complete one at the start \
-                          (`--person` chooses)"
-            .into(),
+        (Some(kind), _) => format!("{} is of one person; {} says which", flag(kind), flag_with("person", "N")),
+        (None, 0 | 1) => format!(
+            "with one camera nobody can find out who is who; this is the most complete one at the start ({} chooses)",
+            flag("person")
+        ),
         (None, _) if (frames as f64) < LEAST_S * config.settings()?.fps => format!(
             "{frames} frames are less than a quarter of a second, too few to find out who is who; this is the most \
-             complete one at the start (`--person` chooses)"
+             complete one at the start ({} chooses)",
+            flag("person")
         ),
         _ => return Ok(None),
     };

@@ -17,6 +17,7 @@ use super::error::TrackError;
 use super::pipeline;
 use crate::Error;
 use crate::files::read_bytes;
+use crate::input::flag::flag_with;
 use crate::input::upright::FramesRead;
 use serde::{Deserialize, Serialize};
 use sinew_results::folder::write_whole_in;
@@ -158,7 +159,8 @@ impl Checkpoint {
             (None, now) => format!("`{key}` was not set and is {}", now.unwrap_or_default()),
         });
         if self.isa != isa {
-            differing.push(format!("the instruction set was {} and is {isa} (`--simd {}`)", self.isa, self.isa));
+            let again = flag_with("simd", &self.isa);
+            differing.push(format!("the instruction set was {} and is {isa} ({again})", self.isa));
         }
         if differing.is_empty() { Ok(()) } else { Err(Problem::Settings(differing)) }
     }

@@ -7,7 +7,6 @@ use std::path::PathBuf;
 
 /// A recording that cannot be tracked as it stands, or numbers that fail.
 #[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
 pub enum TrackError {
     /// A camera that the set-up lacks.
     #[error("the set-up knows no camera `{camera}`; it has {}", known.join(", "))]
@@ -148,84 +147,4 @@ pub enum TrackError {
     /// A motion prior that does not exist.
     #[error(transparent)]
     Motion(#[from] sinew_dynamics::Error),
-}
-
-impl TrackError {
-    /// Code with which the program ends.
-    #[must_use]
-    pub const fn exit_code(&self) -> u8 {
-        match self {
-            Self::NoParts | Self::StoredSettings(_) | Self::Encoding(_) | Self::Sampler(_) | Self::Motion(_) => 1,
-            Self::UpAxis { .. }
-            | Self::UpTwice
-            | Self::Body { .. }
-            | Self::NoInstructionSet { .. }
-            | Self::ModelBody { .. }
-            | Self::ModelRate { .. }
-            | Self::NoMotionModel { .. }
-            | Self::NoLatentModel { .. }
-            | Self::LatentRest { .. }
-            | Self::Latent(_) => 2,
-            Self::UnknownCamera { .. }
-            | Self::FewPoints { .. }
-            | Self::StartPose { .. }
-            | Self::FrameNumber { .. }
-            | Self::Parts(_)
-            | Self::Solids(_)
-            | Self::SetupFile { .. }
-            | Self::MotionModel(_)
-            | Self::LatentModel(_) => 3,
-        }
-    }
-
-    /// What the user can do about it.
-    #[must_use]
-    pub fn help(&self) -> Option<String> {
-        match self {
-            Self::ModelRate { format, tracked, .. } => Some(format!(
-                "learn it at that rate with `{} --fps {tracked}`, or state the recording's with `--fps`",
-                format.command
-            )),
-            Self::ModelBody { format, .. } => {
-                Some(format!("track with `--body` of that name, or learn a model with `{} --body`", format.command))
-            }
-            Self::MotionModel(error) => Some(error.help()),
-            Self::LatentModel(error) => Some(error.help()),
-            Self::UpAxis { setting, .. } => Some(format!("leave `{setting}` out: the set-up knows it")),
-            _ => self.advice().map(Into::into),
-        }
-    }
-
-    const fn advice(&self) -> Option<&'static str> {
-        Some(match self {
-            Self::UnknownCamera { .. } => "use the set-up of this recording, or leave `--setup` out",
-            Self::FewPoints { .. } => "name the body's points as the layout does: `sinew body` lists them",
-            Self::StartPose { .. } => "use the set-up of this body, or leave `--setup` out",
-            Self::FrameNumber { .. } => "renumber the files",
-            Self::Parts(_) => "give every link at most one solid",
-            Self::UpTwice => "leave one of them out",
-            Self::Body { .. } => "leave `--body` out: the set-up knows it; or leave `--setup` out",
-            Self::SetupFile { .. } => {
-                "give `--setup` the setup.toml of a result folder of this version, or leave it out"
-            }
-            Self::NoMotionModel { .. } => {
-                "leave `--motion-model` out, or use `--method hmc`, `bootstrap`, `guided`, `annealed` or `hppf`"
-            }
-            Self::NoLatentModel { .. } => "name one with `--latent`; `sinew learn latent` makes it",
-            Self::LatentRest { .. } => "learn and track another body (`--body cf28`), or use `--method gpapf`",
-            Self::Latent(_) => "learn the latent model again with `--model gpdm`, or `hgplvm` with one root",
-            Self::NoInstructionSet { .. } => "leave `--simd` out to take the best",
-            Self::Solids(_)
-            | Self::NoParts
-            | Self::UpAxis { .. }
-            | Self::ModelRate { .. }
-            | Self::ModelBody { .. }
-            | Self::MotionModel(_)
-            | Self::LatentModel(_)
-            | Self::StoredSettings(_)
-            | Self::Encoding(_)
-            | Self::Sampler(_)
-            | Self::Motion(_) => return None,
-        })
-    }
 }

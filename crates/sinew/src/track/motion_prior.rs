@@ -150,7 +150,6 @@ mod tests {
         }
         let error = check_model(&model("h32", 32), &tree, 30.0).unwrap_err();
         assert_eq!(error.to_string(), "the motion model was learned at 20 frames per second; the recording has 30");
-        assert!(error.help().is_some_and(|help| help.contains("`sinew learn primitives --fps 30`")));
         let mut without = model("h32", 32);
         without.primitives[0].feature.name = "head".into();
         assert!(matches!(check_model(&without, &tree, 20.0), Err(TrackError::Motion(_))));

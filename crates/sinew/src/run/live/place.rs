@@ -64,7 +64,7 @@ pub(super) fn connected(address: SocketAddr, listener: &dyn Listener) -> Result<
             Err(error) => return Err(failed(error).into()),
         }
         if stop.load(Ordering::Relaxed) {
-            return Err(crate::Error::Interrupted("before anybody connected; nothing was written"));
+            return Err(crate::Error::Interrupted("before anybody connected; nothing was written".into()));
         }
         std::thread::sleep(LOOK);
     }

@@ -6,6 +6,7 @@ use super::lines::{Line, next_line};
 use super::queue::Queue;
 use super::refusals::Kind;
 use crate::formats::Layout;
+use crate::input::flag::flag;
 use crate::input::live::{LiveCameras, Views};
 use std::io::{BufReader, Read};
 use std::sync::Arc;
@@ -97,7 +98,10 @@ impl Reading {
         if self.layout.is_none() {
             let guessed = self.cameras.guessed_layout(&name, &views).map_err(|error| malformed(&error))?;
             let Some((layout, warning)) = guessed else {
-                return refused(Kind::NobodyYet, format!("{name}: nobody was seen yet, and no `--layout` is given"));
+                return refused(
+                    Kind::NobodyYet,
+                    format!("{name}: nobody was seen yet, and no {} is given", flag("layout")),
+                );
             };
             let mut state = self.queue.state();
             state.warnings.extend(warning);

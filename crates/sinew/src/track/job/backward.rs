@@ -2,6 +2,7 @@
 
 use super::watch::{RunPhase, Watch};
 use crate::Error;
+use crate::input::flag::flag;
 use crate::track::pipeline::Pipeline;
 use crate::track::smooth::{Spool, smooth};
 use sinew_body::KinematicTree;
@@ -21,7 +22,10 @@ pub(super) fn smoothed(
     let (asked_before, stop) = (watch.is_stopped(), watch.stop);
     let is_stopped = || !asked_before && stop.load(Ordering::SeqCst);
     let stopped = || match is_stopped() {
-        true => Err(Error::Interrupted("while smoothing; all frames are tracked, `--resume` smooths them")),
+        true => {
+            let smooths = flag("resume");
+            Err(Error::Interrupted(format!("while smoothing; all frames are tracked, {smooths} smooths them")))
+        }
         false => Ok(()),
     };
     let mut written = 0;

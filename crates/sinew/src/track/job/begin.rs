@@ -10,6 +10,7 @@ use crate::config::Resolved;
 use crate::config::TrackConfig;
 use crate::config::settings::Settings;
 use crate::config::track::DEFAULT_FPS;
+use crate::input::flag::flag;
 use crate::input::source::{FrameSource, InputHashes};
 use crate::input::up_axis::axis_before_turning;
 use crate::input::upright::Upright;
@@ -45,7 +46,7 @@ pub(super) fn begun<'a, S: FrameSource>(
 ) -> Result<Begun<'a, S>, Error> {
     let mut warnings = Vec::new();
     if config.fps.is_none() {
-        warnings.push(format!("no frame rate given; {DEFAULT_FPS} frames per second assumed (`--fps`)"));
+        warnings.push(format!("no frame rate given; {DEFAULT_FPS} frames per second assumed ({})", flag("fps")));
     }
     let known = known_setup(config)?;
     let known = known.as_deref();

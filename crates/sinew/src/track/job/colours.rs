@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::config::settings::Settings;
+use crate::input::flag::flag;
 use crate::input::source::FrameSource;
 use crate::setup::{MeasuredColours, Setup};
 
@@ -46,21 +47,29 @@ pub(super) fn colour_warning(
     }
     let warning = match (&setup.colours, has_pictures(source)) {
         (None, true) if settings.setup_is_given => {
-            "the set-up has no colours, so images give edges only; leave out `--setup`, and colours are learned from the images of the first second"
+            let left_out = flag("setup");
+            format!(
+                "the set-up has no colours, so images give edges only; leave out {left_out}, and colours are learned from the images of the first second"
+            )
         }
         (None, true) => {
             "no image of the first second shows the person in a known pose: no colours are learned, and images give edges only"
+                .into()
         }
         (Some(_), false) => {
-            "the set-up has colours, but the frames have no images (`--images`); colours are not compared"
+            format!("the set-up has colours, but the frames have no images ({}); colours are not compared", flag("images"))
         }
         (Some(colours), true) if colours.are_grey() => {
             "the images from which colours were learned are grey: they tell light from dark only; give images in colour, if there are any"
+                .into()
         }
         (Some(_), true) if settings.setup_is_given && are_grey(source)? => {
-            "the set-up has colours, but the images are grey, so that no part looks as it should; give images in colour, or leave out `--setup`, and what is light and dark is learned from these"
+            let left_out = flag("setup");
+            format!(
+                "the set-up has colours, but the images are grey, so that no part looks as it should; give images in colour, or leave out {left_out}, and what is light and dark is learned from these"
+            )
         }
         _ => return Ok(None),
     };
-    Ok(Some(warning.into()))
+    Ok(Some(warning))
 }

@@ -42,6 +42,6 @@ impl Watch<'_> {
     /// # Errors
     /// [`Error::Interrupted`].
     pub fn check(&self, when: &'static str) -> Result<(), Error> {
-        if self.is_stopped() { Err(Error::Interrupted(when)) } else { Ok(()) }
+        if self.is_stopped() { Err(Error::Interrupted(when.into())) } else { Ok(()) }
     }
 }
