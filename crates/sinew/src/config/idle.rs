@@ -3,38 +3,41 @@
 //! Only a part of this follows from the list of methods: a method's own settings ([`About::settings`]) are idle with every other method. All other conditions are written out in [`idle_beside`], some of them in terms of what the chosen
 //! method is ([`About`]): a setting that is common to all methods needs a line there.
 
-use super::values::SettingValues;
+use super::common::*;
+use super::setting::SettingValues;
+use crate::methods::hmc::JOINT_LIMITS;
 use crate::methods::{About, Gives, LatentUse};
 
 /// The setting beside which another one is idle, in words; `None` for one that counts.
 #[must_use]
 pub fn idle_beside(key: &str, chosen: &About, methods: &[&'static About], values: &SettingValues) -> Option<String> {
-    let is = |key: &str, value: &str| values.text(key).as_deref() == Some(value);
-    let owner = methods.iter().find(|about| about.settings.iter().any(|setting| setting.key == key));
-    match key {
-        "particles" if chosen.particles.is_none() => Some(format!("`--method {}`", chosen.name)),
-        "min_ess" if chosen.gives == Gives::Chains => Some(format!("`--method {}`", chosen.name)),
-        "prior" | "max_r_hat" | "max_r_hat_share" | "max_divergent_share" if chosen.gives != Gives::Chains => {
-            Some(format!("`--method {}`", chosen.name))
-        }
-        "images" | "mask_scale" | "score" | "kappa" | "raster" if values.get("silhouettes").is_none() => {
-            Some("no `--silhouettes`".to_owned())
-        }
-        "images" | "score" | "kappa" if chosen.needs_gradients => Some(format!("`--method {}`", chosen.name)),
-        "latent" if chosen.latent == LatentUse::No => Some(format!("`--method {}`", chosen.name)),
-        "prior" | "joint_limits" if values.get("latent").is_some() => Some("`--latent`".to_owned()),
-        "motion_scale" if values.get("motion_model").is_some() => Some("`--motion-model`".to_owned()),
-        "degrees" if is("noise", "floor") => Some("`--noise floor`".to_owned()),
-        "outlier" if is("noise", "student-t") => Some("`--noise student-t`".to_owned()),
-        "people" if values.get("person").is_some() => Some("`--person`".to_owned()),
-        "people" if values.get("silhouettes").is_some() => Some("`--silhouettes`".to_owned()),
-        "setup_frames" | "people" if values.get("setup").is_some() => Some("`--setup`".to_owned()),
-        _ => match owner {
-            Some(owner) if owner.name != chosen.name && owner.gives == Gives::Chains => {
-                Some(format!("`--method {}`", chosen.name))
-            }
-            Some(owner) if owner.name != chosen.name => Some(format!("a method other than `{}`", owner.name)),
-            _ => None,
-        },
+    let method = format!("`--method {}`", chosen.name);
+    let (chains, masks) = (chosen.gives == Gives::Chains, values.of(&SILHOUETTES).is_some());
+    let of_chains = [PRIOR.key, MAX_R_HAT.key, MAX_R_HAT_SHARE.key, MAX_DIVERGENT_SHARE.key];
+    let of_masks = [IMAGES.key, MASK_SCALE.key, SCORE.key, KAPPA.key, RASTER.key];
+    // Settings, when they are idle, and beside what; the first one that holds is named.
+    let idle: [(&[&str], bool, &str); 13] = [
+        (&[PARTICLES.key], chosen.particles.is_none(), &method),
+        (&[MIN_ESS.key], chains, &method),
+        (&of_chains, !chains, &method),
+        (&of_masks, !masks, "no `--silhouettes`"),
+        (&[IMAGES.key, SCORE.key, KAPPA.key], chosen.needs_gradients, &method),
+        (&[LATENT.key], chosen.latent == LatentUse::No, &method),
+        (&[PRIOR.key, JOINT_LIMITS.key], values.of(&LATENT).is_some(), "`--latent`"),
+        (&[MOTION_SCALE.key], values.of(&MOTION_MODEL).is_some(), "`--motion-model`"),
+        (&[DEGREES.key], values.of(&NOISE) == NoiseShape::Floor, "`--noise floor`"),
+        (&[OUTLIER.key], values.of(&NOISE) == NoiseShape::StudentT, "`--noise student-t`"),
+        (&[PEOPLE.key], values.of(&PERSON).is_some(), "`--person`"),
+        (&[PEOPLE.key], masks, "`--silhouettes`"),
+        (&[SETUP_FRAMES.key, PEOPLE.key], values.of(&SETUP).is_some(), "`--setup`"),
+    ];
+    if let Some((_, _, beside)) = idle.into_iter().find(|(keys, is_idle, _)| *is_idle && keys.contains(&key)) {
+        return Some(beside.to_owned());
+    }
+    let owner = methods.iter().find(|about| about.settings.iter().any(|setting| setting.row().key == key))?;
+    match owner.gives {
+        _ if owner.name == chosen.name => None,
+        Gives::Chains => Some(method),
+        _ => Some(format!("a method other than `{}`", owner.name)),
     }
 }
