@@ -5,7 +5,7 @@
 
 #![allow(missing_docs, reason = "the help of a setting says what it is")]
 
-use super::setting::{Choice, SAMPLING, SHARE, SettingKind, Typed, choice, setting};
+use super::setting::{NamedValues, SAMPLING, SHARE, SettingKind, Typed, choice, setting};
 use crate::methods::score::Score;
 use sinew_angles::Convention;
 use sinew_dynamics::random_walk::Between;
@@ -41,7 +41,7 @@ pub enum People {
     One,
 }
 
-impl Choice for People {
+impl NamedValues for People {
     const NAMES: &'static [&'static str] = &["all", "1"];
     const ALL: &'static [Self] = &[Self::All, Self::One];
 }
@@ -55,22 +55,22 @@ pub enum NoiseShape {
     StudentT,
 }
 
-impl Choice for NoiseShape {
+impl NamedValues for NoiseShape {
     const NAMES: &'static [&'static str] = &["floor", "student-t"];
     const ALL: &'static [Self] = &[Self::Floor, Self::StudentT];
 }
 
-impl Choice for Between {
+impl NamedValues for Between {
     const NAMES: &'static [&'static str] = &["gaussian", "mixture"];
     const ALL: &'static [Self] = &[Self::Gaussian, Self::Mixture];
 }
 
-impl Choice for Score {
+impl NamedValues for Score {
     const NAMES: &'static [&'static str] = &Self::NAMES;
     const ALL: &'static [Self] = &Self::ALL;
 }
 
-impl Choice for Convention {
+impl NamedValues for Convention {
     const NAMES: &'static [&'static str] = &Self::NAMES;
     const ALL: &'static [Self] = &[Self::OpenSim, Self::Isb];
 }

@@ -111,14 +111,14 @@ pub const fn of_method<T: SettingType>(
 
 /// A setting with a few named values, the first by default: heading, name, word for the value, meaning.
 #[must_use]
-pub const fn choice<T: Choice>(
+pub const fn choice<T: NamedValues>(
     (group, key, value, help): (&'static str, &'static str, &'static str, &'static str),
 ) -> Typed<T> {
     setting((group, key, SettingKind::Choice(T::NAMES), value, || T::ALL[0], help))
 }
 
 /// A type with a few values, each with a name.
-pub trait Choice: Copy + PartialEq + 'static {
+pub trait NamedValues: Copy + PartialEq + 'static {
     /// Their names.
     const NAMES: &'static [&'static str];
     /// The values, in the order of their names; one or more.
@@ -210,7 +210,7 @@ impl SettingType for Init {
     }
 }
 
-impl<T: Choice> SettingType for T {
+impl<T: NamedValues> SettingType for T {
     fn read(value: &Value) -> Option<Self> {
         let name = String::read(value)?;
         T::NAMES.iter().zip(T::ALL).find(|(known, _)| **known == name).map(|(_, value)| *value)

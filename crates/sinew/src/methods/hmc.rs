@@ -8,7 +8,7 @@ use super::latent_state::{ROOT, decoder, walk};
 use super::score::Score;
 use crate::Error;
 use crate::config::setting::{
-    AnySetting, Choice, SAMPLING, SHARE, SettingKind, SettingValues, Typed, choice, of_method,
+    AnySetting, NamedValues, SAMPLING, SHARE, SettingKind, SettingValues, Typed, choice, of_method,
 };
 use crate::setup::Setup;
 use crate::track::error::TrackError;
@@ -72,7 +72,7 @@ pub enum WhichLimits {
     On,
 }
 
-impl Choice for WhichLimits {
+impl NamedValues for WhichLimits {
     const NAMES: &'static [&'static str] = &["auto", "off", "on"];
     const ALL: &'static [Self] = &[Self::Auto, Self::Off, Self::On];
 }

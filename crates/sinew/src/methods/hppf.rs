@@ -4,7 +4,7 @@ use super::about::{About, Gives, LatentUse, Making, Method, Steps};
 use super::score::Score;
 use crate::Error;
 use crate::config::common::PARTICLES;
-use crate::config::setting::{AnySetting, Choice, SAMPLING, SettingValues, Typed, choice};
+use crate::config::setting::{AnySetting, NamedValues, SAMPLING, SettingValues, Typed, choice};
 use crate::setup::Body;
 use crate::track::error::TrackError;
 use sinew_body::hppf24;
@@ -38,7 +38,7 @@ pub const ABOUT: About = About {
     mistake: |_| None,
 };
 
-impl Choice for LevelPrimitives {
+impl NamedValues for LevelPrimitives {
     const NAMES: &'static [&'static str] = &["nested", "own-parts"];
     const ALL: &'static [Self] = &[Self::Nested, Self::OwnParts];
 }
