@@ -17,13 +17,13 @@ use sinew::observe::ObservationModel;
 use sinew::samplers::hmc::{Chains, Hmc, Workspace, update};
 use sinew::samplers::metric::{Dense, Metric};
 use sinew::samplers::resample::Scheme;
-use sinew::setup::{self, SetupRequest};
-use sinew::track::{self, Pipeline, Scene};
+use sinew::track::{Pipeline, Scene};
 use sinew::tracking::posterior::Posterior;
 use sinew::tracking::{Tracker, bootstrap};
 use sinew_markers::MarkerModel;
 use sinew_results::estimate::FrameEstimate;
 use sinew_simulate::recording::{Script, SyntheticRecording};
+use sinew_tests::evaluation;
 use sinew_tests::problem28;
 use sinew_tests::simulated_source::source;
 use std::hint::black_box;
@@ -187,12 +187,8 @@ fn tracking(c: &mut Criterion) {
     let layout = recording.layout.clone();
     let settings = Settings::default();
     let frames = recording.frames();
-    let people: Vec<_> = frames.clone().map(|n| Ok::<_, sinew::Error>((n, recording.people(n)?))).collect();
-    let (mut setup, _) = setup::set_up(&cameras, &layout, &SetupRequest::default(), people).expect("set-up");
+    let setup = evaluation::set_up(&mut recording, frames.clone(), &settings, |_| ()).expect("set-up");
     let tree = setup.tree();
-    setup.motion_sd =
-        Some(setup::measure_motion(&setup, &tree, &mut recording, frames.clone(), settings.fps).expect("poses"));
-    track::tune(&mut setup, &tree, &mut recording, 0, &settings).expect("step size");
     for isa in sets() {
         let settings = Settings { isa, ..settings.clone() };
         let mut scene = Scene::new(&setup, &tree, &cameras, &layout, &settings).expect("scene");

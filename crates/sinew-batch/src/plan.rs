@@ -5,6 +5,7 @@
 use super::trials::{self, FoundTrial, TASKS};
 use crate::Error;
 use serde::{Deserialize, Serialize};
+use sinew::config::common::{ANY_SIZE, BODY, CAMERAS, CONFIDENCE_SCALE, FPS, IMAGE_SCALE, LAYOUT, SEED, UP, UP_AXIS};
 use sinew::config::{Resolved, TrackConfig};
 use sinew::files::{FNV_START, fnv, read_text};
 use sinew_results::write_whole;
@@ -161,11 +162,10 @@ fn pool(subject: &str, session: &str, resolved: &Resolved, config: &TrackConfig)
     if config.setup.is_some() || config.keypoints.is_none() || config.silhouettes.is_some() {
         return None;
     }
-    let same =
-        ["body", "layout", "cameras", "fps", "up", "up_axis", "image_scale", "confidence_scale", "seed", "any_size"];
+    let of_person = [BODY.key, LAYOUT.key, CAMERAS.key, FPS.key, UP.key, UP_AXIS.key];
+    let same = of_person.into_iter().chain([IMAGE_SCALE.key, CONFIDENCE_SCALE.key, SEED.key, ANY_SIZE.key]);
     let same = same.map(|key| resolved.get(key).map(sinew::config::value::to_toml).unwrap_or_default());
-    let hash =
-        same.iter().fold(fnv(FNV_START, session.as_bytes()), |hash, value| fnv(fnv(hash, value.as_bytes()), b"\n"));
+    let hash = same.fold(fnv(FNV_START, session.as_bytes()), |hash, value| fnv(fnv(hash, value.as_bytes()), b"\n"));
     let name: String = subject.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect();
     Some(format!("{name}-{:08x}", (hash ^ fnv(FNV_START, subject.as_bytes())) & 0xffff_ffff))
 }

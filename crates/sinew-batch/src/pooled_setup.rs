@@ -8,17 +8,17 @@ use super::plan::Task;
 use super::shard::Shard;
 use crate::Error;
 use sinew::config::Resolved;
+use sinew::config::common::SEED;
 use sinew::files::read_bytes;
 use sinew::formats::source_text::MAX_TEXT_BYTES;
 use sinew::input::footage::Footage;
 use sinew::input::one_after_another::OneAfterAnother;
 use sinew::input::source::FrameSource as _;
 use sinew::observe::association;
-use sinew::run::listener::{Listener, PassCounter};
-use sinew::run::settings::reading;
+use sinew::run::listener::{Listener, watched};
 use sinew::setup::KnownSetup;
 use sinew::setup::shared_cameras::{CameraInformation, SharedCameras};
-use sinew::track::job::{self, MadeSetup, Watch};
+use sinew::track::job::{self, MadeSetup};
 use sinew_input::flag::flag_with;
 use sinew_results::write_whole;
 use std::collections::{BTreeSet, HashMap, VecDeque};
@@ -110,7 +110,7 @@ impl PooledSetups {
             said.extend(found.filter(|found| said.first().is_none_or(|first| found.is_of(first))));
         }
         let first = study.members(pools[0]);
-        let seed = study.settings(first.first())?.map_or(0, |settings| settings.track().tracking.seed);
+        let seed = study.settings(first.first())?.map_or(0, |settings| settings.of(&SEED));
         let shared = SharedCameras::draw(&said.iter().collect::<Vec<_>>(), seed).map_err(sinew::Error::from)?;
         if shared.is_none() && said.len() > 1 {
             self.warn_of_disagreement(study, pools[0]);
@@ -236,7 +236,7 @@ fn made(
 
 fn recording(study: &Shared<'_>, task: &Task) -> Result<Footage, Error> {
     let config = task.as_trial().settings(study.root, &[])?.track();
-    Ok(Footage::open(&config.files(&sinew::run::calibration(&config)?), &reading(&config))?)
+    Ok(config.footage(&sinew::run::calibration(&config)?)?)
 }
 
 /// Reads all frames of a trial once.
@@ -258,14 +258,11 @@ fn made_from(
     let recordings = members.iter().map(|task| recording(study, task)).collect::<Result<Vec<_>, _>>()?;
     let mut first = study.settings(members.first())?.ok_or_else(unlike)?;
     first.shared_cameras = cameras;
-    let fps = first.track().settings()?.fps;
+    let fps = first.track().fps();
     // Long enough for a person to count as lost, and to be looked for anywhere.
     let gap = (association::Config::default().lost_frames as u64 + 1).max((0.5 * fps).ceil() as u64);
     let mut source = OneAfterAnother::new(recordings, gap).ok_or_else(unlike)?;
-    let mut counter = PassCounter::new(listener);
-    let stop = listener.stop();
-    let mut at = |pass, done, total| counter.at(pass, done, total);
-    let made = job::set_up(&mut source, &first, &mut Watch { progress: &mut at, stop: &stop })?;
+    let made = watched(listener, |watch| job::set_up(&mut source, &first, watch))?;
     made.warnings.iter().for_each(|warning| listener.warning(&format!("{pool}: {warning}")));
     Ok(made)
 }

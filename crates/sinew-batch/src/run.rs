@@ -13,6 +13,7 @@ use super::shard::Shard;
 use crate::{Error, ExitCode};
 use rayon::ThreadPool;
 use serde_json::Value;
+use sinew::config::common::{FORCE, OUT, SETUP, THREADS};
 use sinew::formats::source_text::MAX_TEXT_BYTES;
 use sinew::run::listener::{Deaf, Listener};
 use sinew::run::resume::is_stopped;
@@ -183,9 +184,9 @@ impl Study<'_> {
         // What is odd stands in the results of the trial.
         let quiet = Deaf::stopped_by(self.listener.stop());
         let mut given = vec![
-            ("out", out.to_string_lossy().into_owned()),
-            ("threads", self.threads_a_trial.to_string()),
-            ("force", "true".to_owned()),
+            (OUT.key, out.to_string_lossy().into_owned()),
+            (THREADS.key, self.threads_a_trial.to_string()),
+            (FORCE.key, "true".to_owned()),
         ];
         // A set-up that another trial makes is waited for: that is set-up, too.
         let started = Instant::now();
@@ -194,7 +195,7 @@ impl Study<'_> {
         let study = Shared { root: &self.plan.root, tasks: &self.tasks, cameras, listener: self.listener };
         let shared = pool.map(|pool| self.setups.of(&study, pool, &quiet)).transpose()?;
         let waited_s = started.elapsed().as_secs_f64();
-        given.extend(shared.iter().map(|shared| ("setup", shared.path.to_string_lossy().into_owned())));
+        given.extend(shared.iter().map(|shared| (SETUP.key, shared.path.to_string_lossy().into_owned())));
         let mut resolved = task.as_trial().settings(&self.plan.root, &given)?;
         resolved.known_setup = shared.map(|shared| shared.known);
         let request = |resume| Request { resume, storage: Some(Arc::clone(&storage)), ..Request::default() };

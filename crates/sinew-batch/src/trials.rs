@@ -4,6 +4,7 @@
 //! trial without a file of its own.
 
 use crate::Error;
+use sinew::config::common::{self, KEYPOINTS, SILHOUETTES};
 use sinew::config::file::{FILE_NAME, read};
 use sinew::config::{Resolved, Sources, resolve};
 use std::fs;
@@ -65,7 +66,7 @@ fn search(root: &Path, below: &Path, above: &mut Vec<PathBuf>, found: &mut Vec<F
     // A file with mistakes may be that of a trial, which then says what they are.
     let names_input = file.is_file()
         && read(&file)
-            .map_or(true, |file| ["keypoints", "silhouettes"].iter().any(|key| file.values.contains_key(key)));
+            .map_or(true, |file| [KEYPOINTS.key, SILHOUETTES.key].iter().any(|key| file.values.contains_key(key)));
     if names_input || holds_keypoints(&folder.join(POSE)) {
         found.push(FoundTrial { name: slashed(below), has_file: names_input });
     }
@@ -117,15 +118,14 @@ impl FoundTrial {
         let mut flags = given.to_vec();
         let file = self.has_file.then(|| folder.join(FILE_NAME));
         if !self.has_file {
-            flags.push(("keypoints", folder.join(POSE).to_string_lossy().into_owned()));
+            flags.push((KEYPOINTS.key, folder.join(POSE).to_string_lossy().into_owned()));
         }
-        let resolved = resolve(&Sources { flags: flags.clone(), environment: vec![], file: file.clone() })?;
-        let calibration = resolved.track().calibration;
-        let Some(found) = calibration.is_none().then(|| calibration_above(root, &folder)).flatten() else {
-            return Ok(resolved);
-        };
-        flags.push(("calibration", found.to_string_lossy().into_owned()));
-        Ok(resolve(&Sources { flags, environment: vec![], file })?)
+        let resolved = resolve(&Sources { flags, environment: vec![], file })?;
+        let calibration = resolved.of(&common::CALIBRATION);
+        match calibration.is_none().then(|| calibration_above(root, &folder)).flatten() {
+            Some(found) => Ok(resolved.with_flag(&common::CALIBRATION, &found.to_string_lossy())?),
+            None => Ok(resolved),
+        }
     }
 }
 

@@ -12,6 +12,8 @@ use super::help_template::template;
 use super::learn_args::LearnCommand;
 use super::setting_args::{InspectSettings, SyncSettings, TrackSettings, Typed};
 use clap::{ArgAction, Args, Parser, Subcommand, ValueEnum};
+use sinew::config::common::{FORCE, OUT, SEED, THREADS};
+use sinew::config::resolved::Given;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -78,17 +80,12 @@ pub(crate) struct General {
 }
 
 impl General {
-    /// Settings given to a command, with the flags that are settings.
-    pub(crate) fn given(&self, own: &[(&'static str, String)]) -> Vec<(&'static str, String)> {
-        [own, &self.settings()].concat()
-    }
-
     /// Flags that are settings.
-    pub(crate) fn settings(&self) -> Vec<(&'static str, String)> {
-        let given = [("out", &self.out), ("seed", &self.seed), ("threads", &self.threads)];
+    pub(crate) fn settings(&self) -> Given {
+        let given = [(OUT.key, &self.out), (SEED.key, &self.seed), (THREADS.key, &self.threads)];
         let mut settings: Vec<_> = given.into_iter().filter_map(|(key, value)| Some((key, value.clone()?))).collect();
         if self.force {
-            settings.push(("force", "true".into()));
+            settings.push((FORCE.key, "true".into()));
         }
         settings
     }

@@ -8,6 +8,7 @@ use super::report::{self, Report};
 use super::table::aligned;
 use super::terminal::Terminal;
 use serde_json::json;
+use sinew::config::common::THREADS;
 use sinew::config::{Sources, resolve};
 use sinew::run::threads::wanted;
 use sinew_batch::gather::gather;
@@ -85,7 +86,7 @@ fn wanted_shard(args: &RunArgs) -> Result<Shard, Error> {
 
 fn shard(args: &RunArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     let shard = wanted_shard(args)?;
-    let threads = general.threads.iter().map(|threads| ("threads", threads.clone())).collect();
+    let threads = general.threads.iter().map(|threads| (THREADS.key, threads.clone())).collect();
     let config = resolve(&Sources { flags: threads, environment: vec![], file: None })?.track();
     let end = run_shard(&args.study, shard, wanted(&config), &Terminal { general, report }, of_study)?;
     let ShardEnd { before, done, doubtful, failed, left } = &end;

@@ -14,15 +14,14 @@ use super::table::aligned;
 use super::terminal::Terminal;
 use serde_json::json;
 use sinew::body::standard::EVALUATION_JOINTS;
-use sinew::config::{Resolved, Sources, resolve};
+use sinew::config::{Resolved, Sources, common, resolve};
 use sinew::core::random::Stage;
 use sinew::formats;
 use sinew::input::in_memory::InMemory;
 use sinew::run::claimed::claimed;
-use sinew::run::listener::{Listener as _, PassCounter};
+use sinew::run::listener::watched;
 use sinew::run::threads::{wanted, with_threads};
-use sinew::track::job;
-use sinew::track::job::{Outcome, Watch};
+use sinew::track::job::{self, Outcome};
 use sinew_report::written_page;
 use sinew_results::LOCK_NAME;
 use sinew_simulate::adult;
@@ -52,7 +51,7 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
     // A former demo is no loss.
     config.force |= config.out.join(TRUTH).is_file();
     let claim = claimed(&config, &[], &terminal)?;
-    let seed = config.tracking.seed;
+    let seed = config.seed;
     let script = Script { proportions: adult::drawn(&Stage::new(seed, "walker")), ..script };
     let recording = SyntheticRecording::new(&script, seed).map_err(Error::Demo)?;
     write_recording(&recording, &config.out)?;
@@ -62,12 +61,8 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
         layout: recording.layout.clone(),
         keypoints: recording.keypoints.clone(),
     };
-    let outcome = with_threads(wanted(&config), || {
-        let mut counter = PassCounter::new(&terminal);
-        let stop = terminal.stop();
-        let mut at = |pass, done, total| counter.at(pass, done, total);
-        let mut watch = Watch { progress: &mut at, stop: &stop };
-        job::track(&mut source, 0..frames, &resolved, claim, &mut watch, None)
+    let outcome = watched(&terminal, |watch| {
+        with_threads(wanted(&config), || job::track(&mut source, 0..frames, &resolved, claim, watch, None))
     })?;
     report.warnings(&outcome.summary.warnings);
     let request = written_page::with_calibration(&config.out.join(CALIBRATION));
@@ -84,10 +79,10 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
 
 fn settings(general: &General, script: &Script) -> Result<Resolved, Error> {
     let mut flags = general.settings();
-    if !flags.iter().any(|(key, _)| *key == "out") {
-        flags.push(("out", OUT.into()));
+    if !flags.iter().any(|(key, _)| *key == common::OUT.key) {
+        flags.push((common::OUT.key, OUT.into()));
     }
-    flags.push(("fps", script.rate_hz.to_string()));
+    flags.push((common::FPS.key, script.rate_hz.to_string()));
     // The demo is the same everywhere: no files and no environment.
     Ok(resolve(&Sources { flags, environment: Vec::new(), file: general.config.clone() })?)
 }

@@ -8,9 +8,9 @@ use super::error::Error;
 use super::report::{self, Report};
 use super::table::aligned;
 use serde_json::json;
-use sinew::config::track::DEFAULT_FPS;
+use sinew::config::common::{ASSUMED_FPS, KEYPOINTS};
 use sinew::input::recording::{Recording, RecordingOptions};
-use sinew::run::settings::{reading, settings};
+use sinew::run::settings::settings;
 use sinew_report::inspect::{
     Facts, Subject, file_facts, fit, latent_picture, model_picture, picture_of_actions, subjects,
 };
@@ -29,7 +29,7 @@ pub(crate) fn run(args: &InspectArgs, general: &General, report: &Report) -> Res
         Some(keypoints) => options(args, general, keypoints, report)?,
         None => {
             refuse_settings(args, general)?;
-            (RecordingOptions::default(), DEFAULT_FPS)
+            (RecordingOptions::default(), ASSUMED_FPS)
         }
     };
     let mut all: Vec<Facts> = Vec::new();
@@ -92,12 +92,13 @@ fn options(
     keypoints: &Path,
     report: &Report,
 ) -> Result<(RecordingOptions, f64), Error> {
-    let mut flags = args.settings.given.clone();
-    flags.push(("keypoints", keypoints.to_string_lossy().into_owned()));
-    let resolved = settings(&general.given(&flags), general.config.as_deref())?;
+    let mut given = [&args.settings.given[..], &general.settings()].concat();
+    given.push((KEYPOINTS.key, keypoints.to_string_lossy().into_owned()));
+    let resolved = settings(&given, general.config.as_deref())?;
     report.warnings(&resolved.warnings);
     let config = resolved.track();
-    Ok((reading(&config), config.fps.unwrap_or(DEFAULT_FPS)))
+    let fps = config.fps();
+    Ok((config.recording, fps))
 }
 
 /// Refuses flags on how to read keypoints where there are none.

@@ -3,8 +3,14 @@
 use clap::builder::{PossibleValue, StringValueParser, TypedValueParser};
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, ValueHint};
 use sinew::bodies;
+use sinew::config::common::{
+    BODY, CALIBRATION, CAMERAS, CONFIDENCE_SCALE, FORCE, FPS, FRAMES, IMAGE_SCALE, KEYPOINTS, LAG, LAYOUT, OUT, SEED,
+    THREADS, TRIM, UP, UP_AXIS,
+};
+use sinew::config::resolved::Given;
 use sinew::config::setting::{Setting, SettingKind};
 use sinew::config::table::settings;
+use sinew::config::value::to_text;
 use sinew::formats::layout;
 use std::ffi::OsStr;
 use std::marker::PhantomData;
@@ -20,7 +26,7 @@ pub(crate) struct TrackSettings;
 impl Takes for TrackSettings {
     /// All but those that every command has.
     fn takes(setting: &Setting) -> bool {
-        !matches!(setting.key, "out" | "force" | "seed" | "threads")
+        ![OUT.key, FORCE.key, SEED.key, THREADS.key].contains(&setting.key)
     }
 }
 
@@ -30,10 +36,8 @@ pub(crate) struct InspectSettings;
 
 impl Takes for InspectSettings {
     fn takes(setting: &Setting) -> bool {
-        matches!(
-            setting.key,
-            "layout" | "frames" | "fps" | "cameras" | "trim" | "lag" | "confidence_scale" | "image_scale"
-        )
+        let which = [LAYOUT.key, FRAMES.key, FPS.key, CAMERAS.key, TRIM.key, LAG.key];
+        which.contains(&setting.key) || [CONFIDENCE_SCALE.key, IMAGE_SCALE.key].contains(&setting.key)
     }
 }
 
@@ -43,14 +47,14 @@ pub(crate) struct SyncSettings;
 
 impl Takes for SyncSettings {
     fn takes(setting: &Setting) -> bool {
-        InspectSettings::takes(setting) || matches!(setting.key, "calibration" | "keypoints")
+        InspectSettings::takes(setting) || [CALIBRATION.key, KEYPOINTS.key].contains(&setting.key)
     }
 }
 
 /// Settings of a command, as typed.
 #[derive(Debug)]
 pub(crate) struct Typed<C> {
-    pub(crate) given: Vec<(&'static str, String)>,
+    pub(crate) given: Given,
     command: PhantomData<C>,
 }
 
@@ -72,10 +76,10 @@ impl TypedValueParser for Offered {
 
 /// Values that completion offers.
 fn offered(setting: &Setting) -> Vec<&'static str> {
-    match (setting.kind, setting.key) {
-        (SettingKind::Choice(names), _) => names.to_vec(),
-        (_, "layout") => layout::names(),
-        (_, "body") => bodies::NAMES.to_vec(),
+    match setting.kind {
+        SettingKind::Choice(names) => names.to_vec(),
+        _ if setting.key == LAYOUT.key => layout::names(),
+        _ if setting.key == BODY.key => bodies::NAMES.to_vec(),
         _ => vec![],
     }
 }
@@ -130,7 +134,8 @@ fn argument(setting: &'static Setting) -> Arg {
     if setting.kind == SettingKind::Flag {
         return argument.action(ArgAction::SetTrue).help(help);
     }
-    let default = setting.default.text().map(|default| format!(" [default: {default}]")).unwrap_or_default();
+    let default =
+        setting.default.as_ref().map(|default| format!(" [default: {}]", to_text(default))).unwrap_or_default();
     let is_named = values.iter().all(|value| setting.help.contains(value));
     let named = if is_named { String::new() } else { format!("; known: {}", values.join(", ")) };
     argument
@@ -138,7 +143,7 @@ fn argument(setting: &'static Setting) -> Arg {
         .long_help(format!("{help}{named}{default}"))
         .help(in_rows(&format!("{help}{default}"), HELP_WIDTH))
         .allow_negative_numbers(true)
-        .allow_hyphen_values(matches!(setting.key, "up_axis" | "up"))
+        .allow_hyphen_values([UP_AXIS.key, UP.key].contains(&setting.key))
         .hide_possible_values(true)
         .value_hint(hint(setting))
         .value_parser(Offered(values))

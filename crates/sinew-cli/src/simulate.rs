@@ -12,7 +12,7 @@ use super::terminal::Terminal;
 use rayon::prelude::*;
 use serde_json::json;
 use sinew::body::points::{Trajectories, points_of_states};
-use sinew::config::{Sources, TrackConfig, resolve};
+use sinew::config::{Sources, TrackConfig, common, resolve};
 use sinew::core::random::Stage;
 use sinew::formats::{calib_toml, mask, picture};
 use sinew::run::claimed::claimed;
@@ -48,10 +48,10 @@ pub(crate) fn run(args: &SimulateArgs, general: &General, report: &Report) -> Re
     refuse_inputs_inside(&config.out, &inputs)?;
     let claim = claimed(&config, &inputs, &Terminal { general, report })?;
     let ring = Ring { cameras: args.cameras, image_size_px: args.size.map(f64::from), ..Ring::SMALL_PICTURES };
-    let footage = SyntheticFootage::new(motion, args.fps, &ring, config.tracking.seed).map_err(Error::Scene)?;
+    let footage = SyntheticFootage::new(motion, args.fps, &ring, config.seed).map_err(Error::Scene)?;
     report.warnings(small_person(&footage, &ring).as_slice());
     clear(&config.out, &FOLDERS)?;
-    write_points(&footage, config.tracking.seed, &config.out)?;
+    write_points(&footage, config.seed, &config.out)?;
     let total = footage.frames();
     with_threads(wanted(&config), || {
         let mut progress = Progress::start(general, "simulate", total as u64);
@@ -70,11 +70,8 @@ pub(crate) fn run(args: &SimulateArgs, general: &General, report: &Report) -> Re
 }
 
 fn settings(general: &General) -> Result<TrackConfig, Error> {
-    let mut flags = general.settings();
-    if !flags.iter().any(|(key, _)| *key == "out") {
-        flags.push(("out", OUT.into()));
-    }
-    Ok(resolve(&Sources { flags, environment: Vec::new(), file: None })?.track())
+    let resolved = resolve(&Sources { flags: general.settings(), environment: Vec::new(), file: None })?;
+    Ok(resolved.with_default(&common::OUT, Some(OUT.into())).track())
 }
 
 /// The motion, and the files that it is read from.
@@ -218,7 +215,7 @@ fn readme(args: &SimulateArgs, config: &TrackConfig, footage: &SyntheticFootage)
         frames.len(),
         args.fps,
         cameras(footage.cameras.len()),
-        config.tracking.seed,
+        config.seed,
         args.segmentation,
         names.len(),
         track_command(&folder, args.fps),
@@ -236,14 +233,14 @@ fn answer(args: &SimulateArgs, config: &TrackConfig, footage: &SyntheticFootage)
             "cameras": footage.cameras.len(),
             "rate_hz": args.fps,
             "segmentation": args.segmentation,
-            "seed": config.tracking.seed,
+            "seed": config.seed,
             "out": out,
         }));
     }
     let rows = [
         ("motion", args.motion.display().to_string()),
         ("frames", format!("{} at {} per second, {}", footage.frames(), args.fps, cameras(footage.cameras.len()))),
-        ("masks", format!("segmentation {}, seed {}", args.segmentation, config.tracking.seed)),
+        ("masks", format!("segmentation {}, seed {}", args.segmentation, config.seed)),
         ("written", out.clone()),
     ];
     let rows: Vec<(String, String)> = rows.map(|(left, right)| (left.to_owned(), right)).into();

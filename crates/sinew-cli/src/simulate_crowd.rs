@@ -40,7 +40,7 @@ pub(crate) fn run(
         calibration: CalibrationError::NONE,
         noise: CrowdNoise { keypoints, ..CrowdNoise::DETECTOR_LIKE },
     };
-    let seed = config.tracking.seed;
+    let seed = config.seed;
     let recording = CrowdRecording::new(&crowd, seed).map_err(Error::Scene)?;
     clear(&config.out, &FOLDERS[..1])?;
     for camera in &recording.cameras {

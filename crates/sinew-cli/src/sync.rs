@@ -7,20 +7,19 @@ use super::interrupt;
 use super::report::{self, Report};
 use super::table::aligned;
 use serde_json::json;
-use sinew::config::track::DEFAULT_FPS;
+use sinew::config::common::LAG;
 use sinew::config::{Resolved, TrackConfig};
-use sinew::run::settings::{reading, settings};
+use sinew::run::settings::settings;
 use sinew_analysis::sync::{FoundClock, FoundClocks, SyncRequest, synchronise};
 use std::sync::atomic::Ordering;
 
 /// Runs the command.
 pub(crate) fn run(args: &SyncArgs, general: &General, report: &Report) -> Result<Ended, Error> {
-    let resolved = settings(&general.given(&args.settings.given), general.config.as_deref())?;
+    let given = [&args.settings.given[..], &general.settings()].concat();
+    let resolved = settings(&given, general.config.as_deref())?;
     report.warnings(&resolved.warnings);
     let config = resolved.track();
-    if config.fps.is_none() {
-        report.warnings(&[format!("no frame rate given; {DEFAULT_FPS} frames per second assumed (`--fps`)")]);
-    }
+    report.warnings(config.assumed_rate().as_slice());
     let found = found(&config, args.most)?;
     if args.answer.json {
         report::answer_json(&as_json(&found))?;
@@ -31,22 +30,17 @@ pub(crate) fn run(args: &SyncArgs, general: &General, report: &Report) -> Result
 }
 
 /// The settings with the lags that were found, as though they had been typed.
-pub(crate) fn synchronised(
-    given: &[(&'static str, String)],
-    resolved: Resolved,
-    general: &General,
-    report: &Report,
-) -> Result<Resolved, Error> {
+pub(crate) fn synchronised(resolved: Resolved, report: &Report) -> Result<Resolved, Error> {
     let config = resolved.track();
     let found = found(&config, MOST_APART)?;
     report.note(&shown(&found, config.fps));
     let unknown = found.cameras.iter().filter(|clock| clock.lag.is_none());
     let said = |clock: &FoundClock| format!("the lag of `{}` is unknown; it is taken as declared", clock.camera);
     report.warnings(&unknown.map(said).collect::<Vec<_>>());
-    let Some(lag) = found.setting() else { return Ok(resolved) };
-    let others = given.iter().filter(|(key, _)| *key != "lag").cloned();
-    let given: Vec<_> = others.chain([("lag", lag)]).collect();
-    Ok(settings(&given, general.config.as_deref())?)
+    match found.setting() {
+        Some(lag) => Ok(resolved.with_flag(&LAG, &lag)?),
+        None => Ok(resolved),
+    }
 }
 
 fn found(config: &TrackConfig, most: u64) -> Result<FoundClocks, Error> {
@@ -57,8 +51,8 @@ fn found(config: &TrackConfig, most: u64) -> Result<FoundClocks, Error> {
         (_, None) => return Err(Error::NothingToSynchronise("keypoints were")),
     };
     let stop = interrupt::flag("the frame");
-    let request = SyncRequest { most, fps: config.settings()?.fps };
-    synchronise(calibration, keypoints, &reading(config), &request, || {
+    let request = SyncRequest { most, fps: config.fps() };
+    synchronise(calibration, keypoints, &config.recording, &request, || {
         if stop.load(Ordering::Relaxed) {
             return Err(sinew::Error::Interrupted("while clocks were compared; nothing was written".into()).into());
         }

@@ -8,7 +8,7 @@ use super::report::{self, Report};
 use super::sync;
 use super::table::{columns, table};
 use super::terminal::Terminal;
-use sinew::run::settings::settings_with_stated_rate;
+use sinew::run::settings::{settings, with_stated_rate};
 use sinew::run::{CameTo, Request, calibration, how_to_resume};
 use sinew::track::job::Outcome;
 use sinew_report::written_page::write_for_run;
@@ -19,12 +19,13 @@ use std::path::Path;
 /// Runs the command.
 pub(crate) fn run(args: &TrackArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     let terminal = Terminal { general, report };
-    let given = general.given(&args.settings.given);
-    let (given, mut resolved) = settings_with_stated_rate(&given, general.config.as_deref(), &terminal)?;
+    let given = [&args.settings.given[..], &general.settings()].concat();
+    let resolved = settings(&given, general.config.as_deref())?;
+    let mut resolved = with_stated_rate(resolved, &terminal)?;
     report.warnings(&resolved.warnings);
     report.warnings(&resolved.idle_flags());
     if args.sync {
-        resolved = sync::synchronised(&given, resolved, general, report)?;
+        resolved = sync::synchronised(resolved, report)?;
     }
     if args.print_config {
         if args.answer.json {
@@ -132,4 +133,20 @@ fn several_people(summary: &PeopleSummary, out: &Path, args: &TrackArgs, report:
     }
     let is_trusted = summary.people.iter().all(|person| person.trusted);
     Ok(if is_trusted { Ended::Done } else { Ended::Doubtful })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::args::{Cli, Command};
+    use clap::Parser as _;
+    use sinew::config::{Sources, resolve};
+
+    #[test]
+    fn chains_reach_the_sampler() {
+        let cli = Cli::try_parse_from(["sinew", "track", "--chains", "24"]).unwrap();
+        let Command::Track(args) = cli.command else { panic!("another command") };
+        let resolved = resolve(&Sources { flags: args.settings.given, ..Sources::default() }).unwrap();
+        let settings = resolved.settings().unwrap();
+        assert!(format!("{:?}", settings.method).contains("Config { chains: 24,"), "{settings:?}");
+    }
 }

@@ -7,11 +7,12 @@ use super::report::{self, Report};
 use super::table::aligned;
 use super::terminal::Terminal;
 use serde_json::json;
+use sinew::config::common::{CAMERAS, PERSON};
 use sinew::config::{Resolved, TrackConfig};
 use sinew::input::recording::{Recording, RecordingOptions};
 use sinew::input::roll::Roll;
 use sinew::predict::predict;
-use sinew::run::settings::{reading, settings};
+use sinew::run::settings::settings;
 use sinew::run::whom::{Whom, looked_for};
 use sinew::run::{calibration, read_from, track_alone};
 use sinew_analysis::validate::{LEVELS, LeftOut, left_out, sentence, to_csv, to_svg, together};
@@ -21,12 +22,12 @@ use std::path::Path;
 
 /// Runs the command.
 pub(crate) fn run(args: &ValidateArgs, general: &General, report: &Report) -> Result<Ended, Error> {
-    let resolved = settings(&general.given(&args.settings.given), general.config.as_deref())?;
+    let resolved = settings(&[&args.settings.given[..], &general.settings()].concat(), general.config.as_deref())?;
     report.warnings(&resolved.warnings);
     let config = resolved.track();
     let calibration = calibration(&config)?;
     let Some(keypoints) = config.keypoints.clone() else { return Err(Error::NothingToValidate) };
-    let cameras = Recording::open(&calibration, &keypoints, &reading(&config))?;
+    let cameras = Recording::open(&calibration, &keypoints, &config.recording)?;
     let cameras: Vec<String> = cameras.cameras().iter().map(|camera| camera.name.clone()).collect();
     if cameras.len() < 3 {
         return Err(Error::TooFewToLeaveOut(cameras.len()));
@@ -39,16 +40,12 @@ pub(crate) fn run(args: &ValidateArgs, general: &General, report: &Report) -> Re
     for (place, camera) in cameras.iter().enumerate() {
         let others: Vec<&str> = cameras.iter().filter(|other| *other != camera).map(String::as_str).collect();
         let folder = config.out.join(format!("without_{camera}"));
-        let own = |(key, _): &&(&'static str, String)| !["cameras", "out"].contains(key);
-        let mut given: Vec<(&'static str, String)> = args.settings.given.iter().filter(own).cloned().collect();
-        given.push(("cameras", others.join(",")));
-        let general = General { out: Some(folder.to_string_lossy().into_owned()), ..general.clone() };
-        let run = settings(&general.given(&given), general.config.as_deref())?;
+        let run = resolved.clone().with_flag(&CAMERAS, &others.join(","))?.into_folder(&folder);
         report.detail(&format!("without {camera}"));
         let chosen = chosen.as_ref().map(|(roll, person)| (roll.without_view(place), *person));
         let chosen = chosen.as_ref().map(|(roll, person)| (roll, *person));
         let read_from = read_from(&config, &calibration, general.config.as_deref());
-        let outcome = track_alone(&run, chosen, &read_from, &Terminal { general: &general, report })?;
+        let outcome = track_alone(&run, chosen, &read_from, &Terminal { general, report })?;
         if !outcome.summary.complete {
             report.note("interrupted; nothing can be said about the intervals yet");
             return Ok(Ended::Interrupted);
@@ -73,7 +70,7 @@ fn chosen(
     general: &General,
     report: &Report,
 ) -> Result<Option<(Roll, usize)>, Error> {
-    if resolved.get("person").is_none() {
+    if resolved.of(&PERSON).is_none() {
         return Ok(None);
     }
     let (_, whom) = looked_for(resolved, calibration, &Terminal { general, report }, || Ok(None))?;
@@ -114,7 +111,7 @@ fn held_against(
     folder: &Path,
 ) -> Result<LeftOut, Error> {
     let prediction = predict(folder, calibration, camera)?;
-    let options = RecordingOptions { cameras: Some(vec![camera.to_owned()]), ..reading(config) };
+    let options = RecordingOptions { cameras: Some(vec![camera.to_owned()]), ..config.recording.clone() };
     let mut recording = Recording::open(calibration, keypoints, &options)?;
     let columns: Vec<Option<usize>> = prediction.keypoints.iter().map(|name| recording.layout().index(name)).collect();
     let mut people = vec![];

@@ -1,6 +1,6 @@
-//! A source of frames that shows one of several people alone.
+//! A source of frames that shows one of several people alone, where one was chosen.
 //!
-//! Its frames are all from the first that shows this person to the last.
+//! Its frames are then all from the first that shows this person to the last.
 
 use super::frame::Frame;
 use super::roll::Roll;
@@ -12,14 +12,12 @@ use sinew_observe::silhouettes::bit_image::BitImage;
 use sinew_observe::{Camera, RgbImage};
 use std::ops::Range;
 
-/// A source of which one person is shown.
+/// A source of which one person is shown, or everybody.
 pub struct OnePerson<'a, S> {
     /// Everybody.
     pub source: &'a mut S,
-    /// Who is who.
-    pub roll: &'a Roll,
-    /// Which of the roll's people.
-    pub person: usize,
+    /// Who is who, and which of the roll's people is shown; everybody if `None`.
+    pub chosen: Option<(&'a Roll, usize)>,
 }
 
 impl<S: FrameSource> FrameSource for OnePerson<'_, S> {
@@ -32,21 +30,24 @@ impl<S: FrameSource> FrameSource for OnePerson<'_, S> {
     }
 
     fn frames(&self) -> Range<u64> {
-        self.roll.people[self.person].frames.clone()
+        self.chosen.map_or_else(|| self.source.frames(), |(roll, person)| roll.people[person].frames.clone())
     }
 
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
-        let [own, _] = self.roll.parted(number, self.person, self.source.people(number)?);
+        let people = self.source.people(number)?;
+        let Some((roll, person)) = self.chosen else { return Ok(people) };
+        let [own, _] = roll.parted(number, person, people);
         Ok(own)
     }
 
     fn others(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
-        let [_, others] = self.roll.parted(number, self.person, self.source.people(number)?);
+        let Some((roll, person)) = self.chosen else { return self.source.others(number) };
+        let [_, others] = roll.parted(number, person, self.source.people(number)?);
         Ok(others)
     }
 
     fn shows_one(&self) -> bool {
-        true
+        self.chosen.is_some() || self.source.shows_one()
     }
 
     fn image_cameras(&self) -> Option<Vec<Camera>> {
@@ -74,8 +75,9 @@ impl<S: FrameSource> FrameSource for OnePerson<'_, S> {
     }
 
     fn frame(&mut self, number: u64) -> Result<Frame, Error> {
-        let Frame { people, others: _, images } = self.source.frame(number)?;
-        let [people, others] = self.roll.parted(number, self.person, people);
-        Ok(Frame { people, others, images })
+        let frame = self.source.frame(number)?;
+        let Some((roll, person)) = self.chosen else { return Ok(frame) };
+        let [people, others] = roll.parted(number, person, frame.people);
+        Ok(Frame { people, others, ..frame })
     }
 }

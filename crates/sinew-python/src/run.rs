@@ -6,11 +6,12 @@ use crate::camera::PyCamera;
 use crate::failure::{Failure, USAGE};
 use crate::given::Given;
 use pyo3::prelude::*;
+use sinew::config::common::CONFIDENCE_SCALE;
 use sinew::config::table;
 use sinew::formats::nearest::nearest;
 use sinew::run::calibration;
 use sinew::run::listener::{Counter, Listener};
-use sinew::run::settings::{Given as Settings, settings_with_stated_rate};
+use sinew::run::settings::{Given as Settings, with_stated_rate};
 use sinew::run::{CameTo, Request};
 use sinew_report::written_page::write_for_run;
 use std::path::PathBuf;
@@ -124,10 +125,11 @@ pub(crate) fn track(
         })
         .transpose()?;
     let heard = Heard::default();
-    let resolved = settings_with_stated_rate(&settings, config.as_deref(), &heard);
-    let (_, mut resolved) = resolved.map_err(Failure::from)?;
+    let resolved = sinew::run::settings::settings(&settings, config.as_deref());
+    let resolved = resolved.and_then(|resolved| with_stated_rate(resolved, &heard));
+    let mut resolved = resolved.map_err(Failure::from)?;
     if let Some(given) = given {
-        resolved.given = Some(Arc::new(given.recording(resolved.track().confidence_scale)?));
+        resolved.given = Some(Arc::new(given.recording(resolved.of(&CONFIDENCE_SCALE))?));
     }
     heard.warnings(&resolved.warnings);
     heard.warnings(&resolved.idle_flags());

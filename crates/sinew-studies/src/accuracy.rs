@@ -112,7 +112,7 @@ fn reference(data: &Path) -> Outcome<()> {
     for folder in ["pose", "pose-associated"] {
         for about in [&hmc::ABOUT, &bootstrap::ABOUT] {
             let mut recording = open(data, folder, None)?;
-            let run = track(&mut recording, &Settings { method: (about.usual)(), ..settings() })?;
+            let run = track(&mut recording, &Settings { method: about.usual(), ..settings() })?;
             let r_hat = mixing(&run);
             for (name, estimates) in [("", &run.filtered), (" --smooth", &run.smoothed)] {
                 let track = evaluation::positions(&run.tree, estimates, &LIMB_JOINTS);

@@ -5,6 +5,8 @@
 //! The *trial* is the folder that holds the keypoint folder; without keypoints it is the current folder. `--config FILE` takes the place of the trial's file. Every value
 //! knows its [`Origin`]. [`Resolved::to_toml`] repeats a run wherever it is started: paths in it are absolute, and it is its own root.
 
+#[rustfmt::skip]
+pub mod common;
 pub mod file;
 pub mod idle;
 pub mod resolved;
@@ -13,8 +15,7 @@ pub mod settings;
 pub mod table;
 pub mod track;
 pub mod value;
-pub mod values;
 
 pub use resolved::{Resolved, Sources, resolve};
+pub use setting::Origin;
 pub use track::TrackConfig;
-pub use values::Origin;

@@ -39,13 +39,11 @@ pub use request::{CameTo, Request};
 
 use crate::Error;
 use crate::config::Resolved;
-use crate::input::footage::Footage;
 use crate::input::one_person::OnePerson;
 use crate::track::job;
 use listener::Listener;
-use pieces::{setup_frames, within};
+use pieces::opened;
 use request::Run;
-use settings::reading;
 use sinew_results::refuse_inputs;
 use whom::{Whom, looked_for};
 
@@ -78,18 +76,11 @@ pub fn track(resolved: &Resolved, request: &Request, listener: &dyn Listener) ->
         resume::refuse_other_number(&config.out, matches!(whom, Whom::Everybody(_)))?;
     }
     let run = Run { resolved, request, calibration: &calibration, read_from: &read_from, listener };
-    let chosen = match whom {
-        Whom::Everybody(roll) => return Ok(CameTo::Several(people::track(run, &roll, claim)?)),
-        Whom::One(roll, person) => Some((roll, person)),
+    let chosen = match &whom {
+        Whom::Everybody(roll) => return Ok(CameTo::Several(people::track(run, roll, claim)?)),
+        Whom::One(roll, person) => Some((roll, *person)),
         Whom::MostComplete => None,
     };
-    let mut recording = Footage::open(&config.files(&calibration), &reading(&config))?;
-    let frames = setup_frames(&config, &recording)?;
-    match &chosen {
-        None => one_person::track(run, &mut recording, frames, claim),
-        Some((roll, person)) => {
-            let frames = within(&frames, &roll.people[*person].frames);
-            one_person::track(run, &mut OnePerson { source: &mut recording, roll, person: *person }, frames, claim)
-        }
-    }
+    let (mut recording, frames) = opened(&config, &calibration, chosen)?;
+    one_person::track(run, &mut OnePerson { source: &mut recording, chosen }, frames, claim)
 }

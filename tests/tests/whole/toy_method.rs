@@ -2,11 +2,10 @@
 
 use sinew::Error;
 use sinew::config::idle::idle_beside;
-use sinew::config::setting::{SAMPLING, Setting, SettingKind, computed};
+use sinew::config::setting::{AnySetting, Origin, SettingKind, SettingValues, Typed, of_method};
 use sinew::config::settings::Settings;
 use sinew::config::table::table;
-use sinew::config::value::Value;
-use sinew::config::values::{Origin, SettingValues};
+use sinew::config::value::to_text;
 use sinew::core::density::LogDensity as _;
 use sinew::core::lanes::{Block, LANES};
 use sinew::core::random::Stage;
@@ -28,14 +27,9 @@ struct Greedy {
     tries: u32,
 }
 
-const SETTINGS: [Setting; 1] = [computed((
-    SAMPLING,
-    "tries",
-    SettingKind::Count(1, 1000),
-    "N",
-    || Greedy { tries: 4 }.tries.to_string(),
-    "blocks of steps that are tried (greedy)",
-))];
+const TRIES: Typed<u64> =
+    of_method(("tries", SettingKind::Count(1, 1000), "N", || 4, "blocks of steps that are tried (greedy)"));
+const SETTINGS: &[&dyn AnySetting] = &[&TRIES];
 
 const ABOUT: About = About {
     name: "greedy",
@@ -47,9 +41,8 @@ const ABOUT: About = About {
     score: Score::Bidirectional,
     score_beside_keypoints: Score::Bidirectional,
     particles: None,
-    settings: &SETTINGS,
-    usual: || Arc::new(Greedy { tries: 4 }),
-    configure: |values| Arc::new(Greedy { tries: values.size("tries") as u32 }),
+    settings: SETTINGS,
+    configure: |values| Arc::new(Greedy { tries: values.of(&TRIES) as u32 }),
     mistake: |_| None,
 };
 
@@ -127,7 +120,7 @@ fn scene() -> (SyntheticRecording, Setup) {
 fn a_run_takes_it_like_any_other() {
     let (recording, setup) = scene();
     let tree = setup.tree();
-    let settings = Settings { method: (ABOUT.usual)(), ..Settings::default() };
+    let settings = Settings { method: ABOUT.usual(), ..Settings::default() };
     let pipeline = || Pipeline::new(&setup, &tree, &recording.cameras, &recording.layout, settings.clone()).unwrap();
     let tracked = |pipeline: &mut Pipeline, frames| {
         let mut estimates = vec![];
@@ -163,10 +156,11 @@ fn the_tables_of_settings_derive_from_the_list() {
     let settings = table(&methods);
     let find = |key: &str| settings.iter().find(|setting| setting.key == key).unwrap();
     assert!(find("method").help.ends_with(" or greedy"), "{}", find("method").help);
-    assert_eq!(find("tries").default.text().as_deref(), Some("4"));
-    let values = |tries: u64| SettingValues { of: [("tries", (Value::Count(tries), Origin::Flag))].into() };
-    assert!(format!("{:?}", (ABOUT.configure)(&values(9))).contains("tries: 9"));
-    let beside = |chosen: &About| idle_beside("tries", chosen, &methods, &values(9));
+    assert_eq!(find("tries").default.as_ref().map(to_text).as_deref(), Some("4"));
+    let mut values = SettingValues::default();
+    values.set(&TRIES, 9, Origin::Flag);
+    assert!(format!("{:?}", (ABOUT.configure)(&values)).contains("tries: 9"));
+    let beside = |chosen: &About| idle_beside("tries", chosen, &methods, &values);
     assert_eq!(beside(&ABOUT), None);
     assert_eq!(beside(METHODS[0]).as_deref(), Some("a method other than `greedy`"));
 }

@@ -23,7 +23,7 @@ pub(crate) fn run(args: &PrimitivesArgs, general: &General, report: &Report) -> 
         files: motion_files(&args.files),
         clusters: args.clusters,
         length: args.length,
-        seed: config.tracking.seed,
+        seed: config.seed,
     };
     let stop = interrupt::flag("the feature vector");
     let shown = PhaseProgress::new(general, "vectors");

@@ -7,11 +7,10 @@ use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
 use sinew::input::source::FrameSource as _;
 use sinew::observe::Camera;
-use sinew::setup::{self, Setup, SetupRequest};
-use sinew::track::{self, Pipeline};
-use sinew::tracking::posterior::Posterior;
+use sinew::setup::Setup;
 use sinew_results::estimate::FrameEstimate;
 use sinew_simulate::recording::{Script, SyntheticRecording};
+use sinew_tests::evaluation::{self, Filtered};
 use sinew_tests::simulated_source::source;
 use std::error::Error;
 use std::fmt::Write as _;
@@ -83,25 +82,11 @@ fn track() -> Result<Tracked, Box<dyn Error>> {
     let script = Script::default();
     let recording = SyntheticRecording::new(&script, SEED)?;
     let mut frames_of = source(&recording);
-    let (cameras, layout, frames) = (recording.cameras.clone(), recording.layout.clone(), frames_of.frames());
+    let frames = frames_of.frames();
     // One instruction set, so that every machine draws the same picture.
     let settings = Settings { fps: script.rate_hz, seed: SEED, isa: Isa::baseline(), ..Settings::default() };
-    let people: Vec<_> =
-        frames.clone().map(|number| Ok::<_, sinew::Error>((number, frames_of.people(number)?))).collect();
-    let (mut setup, _) = setup::set_up(&cameras, &layout, &SetupRequest::default(), people)?;
-    let tree = setup.tree();
-    setup.motion_sd = Some(setup::measure_motion(&setup, &tree, &mut frames_of, frames.clone(), script.rate_hz)?);
-    let start = setup.start_frame;
-    track::tune(&mut setup, &tree, &mut frames_of, start, &settings)?;
-    let mut estimates = Vec::new();
-    Pipeline::new(&setup, &tree, &cameras, &layout, settings)?.track(
-        &mut frames_of,
-        frames,
-        |estimate, _: &Posterior<'_>| {
-            estimates.push(estimate);
-            Ok(())
-        },
-    )?;
+    let setup = evaluation::set_up(&mut frames_of, frames.clone(), &settings, |_| ())?;
+    let Filtered { tree, estimates, .. } = evaluation::filter(&mut frames_of, &setup, frames, &settings)?;
     Ok(Tracked { recording, setup, tree, estimates })
 }
 

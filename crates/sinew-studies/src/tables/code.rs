@@ -2,6 +2,7 @@
 
 use sinew::config::setting::{Setting, SettingKind};
 use sinew::config::table::settings;
+use sinew::config::value::to_text;
 use sinew::formats::layout;
 use sinew::methods::{About, Gives, METHODS};
 use std::fmt::Write as _;
@@ -20,7 +21,7 @@ fn group_table(group: &str) -> Option<String> {
     let mut table = String::from("| setting | values | default | meaning |\n|---|---|---|---|\n");
     let chosen: Vec<&Setting> = settings().iter().filter(|setting| setting.group == group).collect();
     for setting in &chosen {
-        let default = setting.default.text().map(|text| format!("`{text}`")).unwrap_or_default();
+        let default = setting.default.as_ref().map(|value| format!("`{}`", to_text(value))).unwrap_or_default();
         // Writing to a String cannot fail.
         let _ = writeln!(table, "| `{}` | {} | {default} | {} |", setting.key, values(setting), escaped(setting.help));
     }
@@ -74,7 +75,7 @@ fn methods() -> String {
             (_, beside) if beside == *score => format!("`{}`", score.name()),
             (_, beside) => format!("`{}`, beside keypoints `{}`", score.name(), beside.name()),
         };
-        let own: Vec<String> = settings.iter().map(|setting| format!("`{}`", setting.key)).collect();
+        let own: Vec<String> = settings.iter().map(|setting| format!("`{}`", setting.row().key)).collect();
         let own = if own.is_empty() { "–".into() } else { own.join(", ") };
         let _ = writeln!(table, "| `{name}` | {help} | {observes} | {gives} | {particles} | {score} | {own} |");
     }

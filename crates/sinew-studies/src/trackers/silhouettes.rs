@@ -5,11 +5,10 @@
 
 use crate::support::outcome::{Outcome, exit_code};
 use clap::Args as Arguments;
-use sinew::config::settings::Settings;
+use sinew::config::settings::{Settings, motion_model};
 use sinew::config::{Resolved, Sources, TrackConfig, resolve};
 use sinew::formats::trc;
 use sinew::input::footage::{Footage, Init};
-use sinew::input::recording::RecordingOptions;
 use sinew::methods::Score;
 use sinew::methods::{About, AnnealedMethod, annealed, bootstrap, coarse_to_fine, hmc, hppf, partitioned};
 use sinew::setup::Setup;
@@ -128,7 +127,7 @@ pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
 }
 
 /// The settings of `sinew track` for the real recording.
-fn config(data: &Path, row: &Row, motion_model: Option<&Path>) -> Outcome<TrackConfig> {
+fn config(data: &Path, row: &Row) -> Outcome<TrackConfig> {
     let single = data.join("pose2sim_single");
     let path = |path: PathBuf| path.display().to_string();
     let mut flags = vec![
@@ -145,9 +144,6 @@ fn config(data: &Path, row: &Row, motion_model: Option<&Path>) -> Outcome<TrackC
     if row.images {
         flags.push(("images", path(data.join("pose2sim_silhouettes/images"))));
     }
-    if let Some(model) = motion_model.filter(|_| row.learned) {
-        flags.push(("motion_model", path(model.to_owned())));
-    }
     if let Some(cameras) = row.cameras {
         flags.push(("cameras", cameras.join(",")));
     }
@@ -157,13 +153,8 @@ fn config(data: &Path, row: &Row, motion_model: Option<&Path>) -> Outcome<TrackC
 }
 
 fn footage(config: &TrackConfig) -> Outcome<Footage> {
-    let options = RecordingOptions {
-        layout: config.layout.clone(),
-        cameras: config.cameras.clone(),
-        ..RecordingOptions::default()
-    };
     let calibration = config.calibration.as_deref().ok_or("no calibration")?;
-    Ok(Footage::open(&config.files(calibration), &options)?)
+    Ok(config.footage(calibration)?)
 }
 
 fn reference(data: &Path) -> Outcome<Track> {
@@ -195,12 +186,12 @@ fn tables(data: &Path, args: &Args) -> Outcome<()> {
         is_named && (args.motion_model.is_some() || !row.learned)
     };
     for row in rows().into_iter().filter(is_wanted) {
-        let config = config(data, &row, args.motion_model.as_deref())?;
+        let config = config(data, &row)?;
         let mut base = Settings {
-            method: (row.method.usual)(),
+            method: row.method.usual(),
             fps: FPS,
             score: row.score.with_kappa(100.0),
-            motion_model: config.settings()?.motion_model,
+            motion_model: args.motion_model.as_deref().filter(|_| row.learned).map(motion_model).transpose()?,
             ..Settings::default()
         };
         (row.change)(&mut base);

@@ -1,7 +1,8 @@
 //! `sinew.toml`: one file as a layer of settings, with all its mistakes.
 
+use super::setting::Value;
 use super::table::{find, settings};
-use super::value::{Value, from_toml};
+use super::value::from_toml;
 use crate::{Error, files};
 use sinew_formats::nearest::nearest;
 use sinew_formats::source_text::MAX_CONFIG_BYTES;

@@ -1,13 +1,15 @@
 //! Every setting with its value, found by asking the sources in the order of their strength.
 
+use super::common::{
+    INIT, KEYPOINTS, LAG_FRAMES, LATENT, MOTION_MODEL, OUT, PERSON, SETUP, SILHOUETTES, SMOOTH, STATIC, SUBJECT,
+};
 use super::file;
 use super::idle::idle_beside;
-use super::setting::Setting;
-use super::table::{self, is_local, settings};
-use super::value::{Value, from_text, to_json, to_toml};
-use super::values::{Origin, SettingValues};
+use super::setting::{AnySetting as _, Origin, Setting, SettingType, SettingValues, Typed, Value};
+use super::table::{self, METHOD, is_local};
+use super::value::{from_text, to_json, to_toml};
 use crate::Error;
-use crate::methods::{self, About, LatentUse, METHODS};
+use crate::methods::{About, LatentUse, METHODS};
 use sinew_formats::nearest::nearest;
 use sinew_input::Problems;
 use sinew_input::flag::{flag, typed};
@@ -16,15 +18,19 @@ use sinew_input::recording::read_frames::ReadFrames;
 use sinew_setup::KnownSetup;
 use sinew_setup::shared_cameras::SharedCameras;
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Settings by name, as they are typed.
+pub type Given = Vec<(&'static str, String)>;
 
 /// What the program was started with.
 #[derive(Clone, Debug, Default)]
 pub struct Sources {
     /// Settings on the command line, as typed.
-    pub flags: Vec<(&'static str, String)>,
+    pub flags: Given,
     /// Environment variables.
     pub environment: Vec<(String, String)>,
     /// `--config`.
@@ -50,6 +56,18 @@ pub struct Resolved {
 /// Variables of ours that are no settings.
 const OTHER_VARIABLES: [&str; 3] = ["SINEW_DATA", "SINEW_REQUIRE_DATA", "SINEW_PYTHON"];
 
+/// Settings from all their sources: given by name, then `SINEW_…` of the environment, then files.
+///
+/// # Errors
+/// As [`resolve`].
+pub fn settings(given: &[(&'static str, String)], file: Option<&Path>) -> Result<Resolved, Error> {
+    let text = |(name, value): (OsString, OsString)| Some((name.into_string().ok()?, value.into_string().ok()?));
+    let mut environment: Vec<(String, String)> = std::env::vars_os().filter_map(text).collect();
+    environment.retain(|(name, _)| name.starts_with("SINEW_"));
+    environment.sort();
+    resolve(&Sources { flags: given.to_vec(), environment, file: file.map(PathBuf::from) })
+}
+
 /// Finds every setting.
 ///
 /// # Errors
@@ -57,23 +75,20 @@ const OTHER_VARIABLES: [&str; 3] = ["SINEW_DATA", "SINEW_REQUIRE_DATA", "SINEW_P
 pub fn resolve(sources: &Sources) -> Result<Resolved, Error> {
     let here = Path::new("");
     let mut resolved = Resolved::default();
-    let mut problems = Vec::new();
-    for (key, text) in &sources.flags {
-        resolved.take(key, text, Origin::Flag, &mut problems);
-    }
-    refuse("the command line", problems)?;
+    let flags = sources.flags.iter().filter_map(|(key, text)| Some((table::find(key)?, text)));
+    let problems = flags.filter_map(|(setting, text)| resolved.take(setting, text, Origin::Flag).err());
+    refuse("the command line", problems.collect())?;
     let mut problems = Vec::new();
     for (name, text) in &sources.environment {
         let Some(key) = name.strip_prefix("SINEW_").map(str::to_lowercase) else { continue };
         match table::find(&key) {
             Some(setting) => {
-                let mut variable_problems = Vec::new();
-                resolved.take(setting.key, text, Origin::Environment, &mut variable_problems);
-                problems.extend(variable_problems.into_iter().map(|problem| format!("{name}: {problem}")));
+                let problem = resolved.take(setting, text, Origin::Environment).err();
+                problems.extend(problem.map(|problem| format!("{name}: {problem}")));
             }
             None if OTHER_VARIABLES.contains(&name.as_str()) => {}
             None => {
-                let meant = nearest(&key, settings().iter().map(|setting| setting.key));
+                let meant = nearest(&key, table::settings().iter().map(|setting| setting.key));
                 let meant =
                     meant.map(|key| format!("; did you mean `SINEW_{}`?", key.to_uppercase())).unwrap_or_default();
                 resolved.warnings.push(format!("the environment variable `{name}` is no setting{meant}"));
@@ -97,11 +112,10 @@ pub fn resolve(sources: &Sources) -> Result<Resolved, Error> {
             resolved.add(file);
         }
     }
-    for setting in settings() {
-        let Some(default) = setting.default.text() else { continue };
-        let value = from_text(setting, &default, here);
-        let value = value.map_err(|problem| Problems { file: "the defaults".into(), problems: vec![problem] })?;
-        resolved.values.of.entry(setting.key).or_insert((value, Origin::Default));
+    for setting in table::settings() {
+        if let Some(default) = &setting.default {
+            resolved.values.by_key.entry(setting.key).or_insert_with(|| (default.clone(), Origin::Default));
+        }
     }
     resolved.check()?;
     Ok(resolved)
@@ -126,63 +140,67 @@ fn normal(path: &Path) -> PathBuf {
 }
 
 impl Resolved {
-    fn take(&mut self, key: &'static str, text: &str, origin: Origin, problems: &mut Vec<String>) {
-        let Some(setting) = table::find(key) else { return };
-        match from_text(setting, text, Path::new("")) {
-            Ok(value) => {
-                self.values.of.entry(key).or_insert((value, origin));
-            }
-            Err(problem) => problems.push(problem),
-        }
+    /// A value as it is typed, where no stronger source gave one.
+    fn take(&mut self, setting: &Setting, text: &str, origin: Origin) -> Result<(), String> {
+        let value = from_text(setting, text, Path::new(""))?;
+        self.values.by_key.entry(setting.key).or_insert((value, origin));
+        Ok(())
+    }
+
+    /// Value of a setting.
+    #[must_use]
+    pub fn of<T: SettingType>(&self, setting: &Typed<T>) -> T {
+        self.values.of(setting)
     }
 
     /// The method that was chosen.
     #[must_use]
     pub fn method(&self) -> &'static About {
-        self.values.text("method").and_then(|name| methods::find(&name)).unwrap_or(METHODS[0])
+        self.of(&METHOD)
     }
 
     fn check(&self) -> Result<(), Error> {
-        let lagged = self.values.count("lag_frames").is_some_and(|frames| frames > 0);
-        let back = [("smooth", self.values.flag("smooth")), ("lag_frames", lagged)];
-        let back = back.into_iter().find(|(_, given)| *given).map(|(name, _)| name);
-        let learned = back.filter(|_| self.values.get("motion_model").is_some());
-        let smoothed =
-            learned.map(|name| format!("`{name}` goes back over a random walk; leave it or `motion_model` out"));
-        let twice = (lagged && self.values.flag("smooth"))
-            .then(|| "`lag_frames` sees some frames ahead, `smooth` all; leave one of them out".to_owned());
-        let takes_latent = self.method().latent != LatentUse::No && self.values.get("latent").is_some();
-        let in_latent = |other: &str, what: &str| {
-            let both = takes_latent && self.values.get(other).is_some_and(|value| *value != Value::Flag(false));
-            both.then(|| format!("`{other}` {what}; leave it or `latent` out"))
+        let (smooth, lagged) = (self.of(&SMOOTH), self.of(&LAG_FRAMES) > 0);
+        let back = if smooth { Some(SMOOTH.key) } else { lagged.then_some(LAG_FRAMES.key) };
+        let learned = self.of(&MOTION_MODEL).is_some();
+        let in_latent = self.method().latent != LatentUse::No && self.of(&LATENT).is_some();
+        let clash = match back {
+            Some(_) if smooth && lagged => {
+                Some("`lag_frames` sees some frames ahead, `smooth` all; leave one of them out".to_owned())
+            }
+            Some(name) if learned => {
+                Some(format!("`{name}` goes back over a random walk; leave it or `motion_model` out"))
+            }
+            Some(name) if in_latent => {
+                Some(format!("`{name}` goes back over a random walk of poses; leave it or `latent` out"))
+            }
+            None if in_latent && learned => {
+                let why = "`motion_model` moves poses, and a latent model has a motion of its own";
+                Some(format!("{why}; leave it or `latent` out"))
+            }
+            _ => None,
         };
-        let clash = twice
-            .or(smoothed)
-            .or_else(|| back.and_then(|name| in_latent(name, "goes back over a random walk of poses")))
-            .or_else(|| in_latent("motion_model", "moves poses, and a latent model has a motion of its own"));
-        match (self.method().mistake)(&self.values).or(clash) {
-            None => Ok(()),
-            Some(problem) => Err(Problems { file: "the configuration".into(), problems: vec![problem] }.into()),
-        }
+        let problem = (self.method().mistake)(&self.values).or(clash);
+        refuse("the configuration", problem.into_iter().collect())
     }
 
     /// Warnings about flags that change nothing beside the other settings.
     #[must_use]
     pub fn idle_flags(&self) -> Vec<String> {
-        let given = self.values.of.iter().filter(|(_, (_, origin))| *origin == Origin::Flag);
+        let given = self.values.by_key.iter().filter(|(_, (_, origin))| *origin == Origin::Flag);
         let idle = |key: &str| idle_beside(key, self.method(), &METHODS, &self.values);
         given.filter_map(|(key, _)| Some(format!("{} changes nothing with {}", flag(key), idle(key)?))).collect()
     }
 
     fn add(&mut self, file: file::ConfigFile) {
         for (key, value) in file.values {
-            self.values.of.entry(key).or_insert_with(|| (value, Origin::File(file.path.clone())));
+            self.values.by_key.entry(key).or_insert_with(|| (value, Origin::File(file.path.clone())));
         }
     }
 
     /// The folder that holds the keypoint folder, or that of the masks.
     pub(super) fn trial_folder(&self) -> Option<PathBuf> {
-        let input = self.values.path("keypoints").or_else(|| self.values.path("silhouettes"))?;
+        let input = self.of(&KEYPOINTS).or_else(|| self.of(&SILHOUETTES))?;
         normal(&std::path::absolute(input).ok()?).parent().map(Path::to_owned)
     }
 
@@ -190,8 +208,8 @@ impl Resolved {
     #[must_use]
     pub fn describe(&self) -> String {
         let mut lines: Vec<(String, String)> = Vec::new();
-        for setting in settings() {
-            lines.push(match self.values.of.get(setting.key) {
+        for setting in table::settings() {
+            lines.push(match self.values.by_key.get(setting.key) {
                 Some((value, origin)) => (format!("{} = {}", setting.key, to_toml(value)), origin.describe()),
                 None => (format!("# {}", setting.key), format!("not set: {}", setting.help)),
             });
@@ -209,21 +227,17 @@ impl Resolved {
         let again = typed("config");
         let mut out =
             format!("# Settings in force. Repeat the run with: sinew track {again} config.toml\nroot = true\n");
-        for (key, value) in self.repeated() {
-            let _ = writeln!(out, "{key} = {}", to_toml(&value));
+        for setting in table::settings().iter().filter(|setting| !is_local(setting.key)) {
+            let value = match self.get(setting.key) {
+                Some(Value::Path(path)) => {
+                    Value::Path(normal(&std::path::absolute(path).unwrap_or_else(|_| path.clone())))
+                }
+                Some(other) => other.clone(),
+                None => continue,
+            };
+            let _ = writeln!(out, "{} = {}", setting.key, to_toml(&value));
         }
         out
-    }
-
-    fn repeated(&self) -> impl Iterator<Item = (&'static str, Value)> + '_ {
-        let kept = settings().iter().filter(|setting| !is_local(setting.key));
-        kept.filter_map(|setting| {
-            let value = match self.values.get(setting.key)? {
-                Value::Path(path) => Value::Path(normal(&std::path::absolute(path).unwrap_or_else(|_| path.clone()))),
-                other => other.clone(),
-            };
-            Some((setting.key, value))
-        })
     }
 
     /// Settings with origins, as JSON; threads and paths are left out, and a file is named without its folder: the same run is described in the same words wherever
@@ -231,7 +245,7 @@ impl Resolved {
     #[must_use]
     pub fn to_json(&self) -> serde_json::Value {
         let of = |setting: &Setting| {
-            let (value, origin) = self.values.of.get(setting.key)?;
+            let (value, origin) = self.values.by_key.get(setting.key)?;
             let origin = match origin {
                 Origin::File(path) => path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
                 other => other.describe(),
@@ -240,7 +254,7 @@ impl Resolved {
             is_reported
                 .then(|| (setting.key.to_owned(), serde_json::json!({ "value": to_json(value), "origin": origin })))
         };
-        settings().iter().filter_map(of).collect::<serde_json::Map<_, _>>().into()
+        table::settings().iter().filter_map(of).collect::<serde_json::Map<_, _>>().into()
     }
 
     /// Files that settings name, by setting.
@@ -249,20 +263,23 @@ impl Resolved {
         let file = |(key, (value, _)): (&&'static str, &(Value, Origin))| match value {
             Value::Path(path) if path.is_file() => Some((*key, path.clone())),
             // Its summary knows what it was made from.
-            Value::Path(path) if *key == "static" => Some((*key, path.join("summary.json"))),
+            Value::Path(path) if *key == STATIC.key => Some((*key, path.join("summary.json"))),
             _ => None,
         };
-        self.values.of.iter().filter_map(file).collect()
+        self.values.by_key.iter().filter_map(file).collect()
     }
 
     /// Settings that change numbers, as they stand in a file; files that settings name are distinguished by their content ([`Resolved::files`]).
     #[must_use]
     pub fn numeric_settings(&self) -> BTreeMap<String, String> {
-        let of = |setting: &Setting| match self.values.get(setting.key)? {
+        self.numeric().map(|(key, value)| (key.to_owned(), value)).collect()
+    }
+
+    fn numeric(&self) -> impl Iterator<Item = (&'static str, String)> + '_ {
+        table::settings().iter().filter(|setting| setting.hashed).filter_map(|setting| match self.get(setting.key)? {
             Value::Path(_) => None,
-            value => Some((setting.key.to_owned(), to_toml(value))),
-        };
-        table::settings().iter().filter(|setting| setting.hashed).filter_map(of).collect()
+            value => Some((setting.key, to_toml(value))),
+        })
     }
 
     /// Settings of [`Resolved::to_json`] that change numbers, here or in another run's summary, in the words of JSON.
@@ -276,11 +293,7 @@ impl Resolved {
     /// Hash of the settings that change numbers: FNV-1a, 64 bits, over `key = value` lines in the order of [`table::settings`].
     #[must_use]
     pub fn hash(&self) -> String {
-        let values = self.numeric_settings();
-        let lines = settings().iter().filter_map(|setting| {
-            let value = values.get(setting.key)?;
-            Some(format!("{} = {value}\n", setting.key))
-        });
+        let lines = self.numeric().map(|(key, value)| format!("{key} = {value}\n"));
         let hash = lines.fold(crate::files::FNV_START, |hash, line| crate::files::fnv(hash, line.as_bytes()));
         format!("{hash:016x}")
     }
@@ -288,22 +301,55 @@ impl Resolved {
     /// Whether a setting has a value that somebody gave.
     #[must_use]
     pub fn is_given(&self, key: &str) -> bool {
-        self.values.is_given(key)
+        self.values.by_key.get(key).is_some_and(|(_, origin)| *origin != Origin::Default)
     }
 
     /// The same with another default of a setting.
     #[must_use]
-    pub fn with_default(mut self, key: &'static str, value: Value) -> Self {
-        if !self.is_given(key) {
-            self.values.of.insert(key, (value, Origin::Default));
+    pub fn with_default<T: SettingType>(mut self, setting: &Typed<T>, value: T) -> Self {
+        if !self.is_given(setting.key) {
+            self.values.set(setting, value, Origin::Default);
         }
         self
     }
 
-    /// Value of a setting.
+    /// The same with a setting as though it had been typed.
+    ///
+    /// # Errors
+    /// As [`resolve`] for a flag.
+    pub fn with_flag<T: SettingType>(mut self, setting: &Typed<T>, text: &str) -> Result<Self, Error> {
+        self.values.by_key.remove(setting.key);
+        let problem = self.take(&setting.row(), text, Origin::Flag).err();
+        refuse("the command line", problem.into_iter().collect()).map(|()| self)
+    }
+
+    /// The same run into another folder.
+    #[must_use]
+    pub fn into_folder(&self, folder: &Path) -> Self {
+        let mut other = self.clone();
+        other.values.set(&OUT, Some(folder.to_owned()), Origin::Flag);
+        other
+    }
+
+    /// The run of one of several people, by their number, into a folder of their own.
+    #[must_use]
+    pub fn for_person(&self, number: usize, folder: &Path) -> Self {
+        let mut other = self.into_folder(folder);
+        other.values.set(&PERSON, Some(number), Origin::Flag);
+        other
+    }
+
+    /// The setting, if any, whose value is of one person: a set-up, a standing trial, masks, a start or a name.
+    #[must_use]
+    pub fn single_person_setting(&self) -> Option<&'static str> {
+        let of_one = [SETUP.key, SILHOUETTES.key, INIT.key, STATIC.key, SUBJECT.key];
+        of_one.into_iter().find(|key| self.get(key).is_some())
+    }
+
+    /// Value of a setting by its name, as sources give it.
     #[must_use]
     pub fn get(&self, key: &str) -> Option<&Value> {
-        self.values.get(key)
+        self.values.by_key.get(key).map(|(value, _)| value)
     }
 }
 
@@ -333,15 +379,15 @@ mod tests {
         let resolved =
             resolve(&sources(&[("keypoints", &pose), ("seed", "8")], &[("SINEW_SEED", "6"), ("SINEW_DRAWS", "7")]))
                 .unwrap();
-        let config = resolved.track();
-        assert_eq!((config.tracking.seed, config.tracking.draws, config.fps), (8, 7, Some(60.0)));
-        let hmc = format!("{:?}", config.tracking.method);
+        let (config, settings) = (resolved.track(), resolved.settings().unwrap());
+        assert_eq!((settings.seed, settings.draws, config.fps), (8, 7, Some(60.0)));
+        let hmc = format!("{:?}", settings.method);
         assert!(hmc.contains("chains: 16") && hmc.contains("jitter: 0.5"), "{hmc}");
         assert_eq!(config.out, Path::new("sinew-out/trial"));
-        assert_eq!(resolved.values.of["seed"].1, Origin::Flag);
-        assert_eq!(resolved.values.of["draws"].1, Origin::Environment);
-        assert_eq!(resolved.values.of["fps"].1, Origin::File(trial.join("sinew.toml")));
-        assert_eq!(resolved.values.of["chains"].1, Origin::Default);
+        assert_eq!(resolved.values.by_key["seed"].1, Origin::Flag);
+        assert_eq!(resolved.values.by_key["draws"].1, Origin::Environment);
+        assert_eq!(resolved.values.by_key["fps"].1, Origin::File(trial.join("sinew.toml")));
+        assert_eq!(resolved.values.by_key["chains"].1, Origin::Default);
         assert!(resolved.describe().contains("# environment"));
     }
 

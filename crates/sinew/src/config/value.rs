@@ -1,34 +1,13 @@
-//! Values of settings: from text (flags, environment), from TOML, and back to TOML.
+//! Values of settings as they are written: from text (flags, environment), from TOML, and back to TOML and JSON.
 
-use super::setting::{Setting, SettingKind};
+use super::common::PEOPLE;
+use super::setting::{Setting, SettingKind, Value};
 use sinew_formats::nearest::nearest;
 use sinew_input::flag::flag_with;
 use sinew_input::lag::{ClockLag, LagTextError, MOST_FRAMES, MOST_PPM};
 use sinew_input::up_axis::direction;
-use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use toml::de::DeValue;
-
-/// A value.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Value {
-    /// A file or folder.
-    Path(PathBuf),
-    /// A name.
-    Text(String),
-    /// A whole number.
-    Count(u64),
-    /// A number.
-    Number(f64),
-    /// Yes or no.
-    Flag(bool),
-    /// Frame numbers.
-    Frames(Range<u64>),
-    /// Names.
-    Names(Vec<String>),
-    /// Names of cameras, each with frames that it is late.
-    Lags(Vec<(String, ClockLag)>),
-}
 
 fn checked_number(setting: &Setting, value: f64, shown: &str) -> Result<Value, String> {
     let SettingKind::Number { least, excluded, most } = setting.kind else { return Ok(Value::Number(value)) };
@@ -58,7 +37,7 @@ fn checked_choice(setting: &Setting, known: &[&'static str], text: &str) -> Resu
     if known.contains(&text) {
         return Ok(Value::Text(text.into()));
     }
-    if setting.key == "people" && text.parse::<u64>().is_ok_and(|number| number > 1) {
+    if setting.key == PEOPLE.key && text.parse::<u64>().is_ok_and(|number| number > 1) {
         return Err(format!(
             "`people` is `{text}`; it must be one of {}; one of several is tracked with {}",
             known.join(", "),
@@ -214,18 +193,30 @@ pub fn from_toml(setting: &Setting, value: &DeValue<'_>, shown: &str, folder: &P
     }
 }
 
+/// The value as it would be typed.
+#[must_use]
+pub fn to_text(value: &Value) -> String {
+    match value {
+        Value::Path(path) => path.to_string_lossy().into_owned(),
+        Value::Text(text) => text.clone(),
+        Value::Count(count) => count.to_string(),
+        Value::Number(number) => number.to_string(),
+        Value::Flag(flag) => flag.to_string(),
+        Value::Frames(frames) => format!("{}..{}", frames.start, frames.end),
+        Value::Names(names) => names.join(","),
+        Value::Lags(lags) => lag_texts(lags).join(","),
+    }
+}
+
 /// The value as TOML, which [`from_toml`] reads back equal.
 #[must_use]
 pub fn to_toml(value: &Value) -> String {
     let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
     let list = |texts: &[String]| format!("[{}]", texts.iter().map(|text| quoted(text)).collect::<Vec<_>>().join(", "));
     match value {
-        Value::Path(path) => quoted(&path.to_string_lossy()),
-        Value::Text(text) => quoted(text),
-        Value::Count(count) => count.to_string(),
+        Value::Path(_) | Value::Text(_) | Value::Frames(_) => quoted(&to_text(value)),
+        Value::Count(_) | Value::Flag(_) => to_text(value),
         Value::Number(number) => format!("{number:?}"),
-        Value::Flag(flag) => flag.to_string(),
-        Value::Frames(frames) => quoted(&format!("{}..{}", frames.start, frames.end)),
         Value::Names(names) => list(names),
         Value::Lags(lags) => list(&lag_texts(lags)),
     }
@@ -239,12 +230,10 @@ fn lag_texts(lags: &[(String, ClockLag)]) -> Vec<String> {
 #[must_use]
 pub fn to_json(value: &Value) -> serde_json::Value {
     match value {
-        Value::Path(path) => path.to_string_lossy().into_owned().into(),
-        Value::Text(text) => text.as_str().into(),
+        Value::Path(_) | Value::Text(_) | Value::Frames(_) => to_text(value).into(),
         Value::Count(count) => (*count).into(),
         Value::Number(number) => (*number).into(),
         Value::Flag(flag) => (*flag).into(),
-        Value::Frames(frames) => format!("{}..{}", frames.start, frames.end).into(),
         Value::Names(names) => names.clone().into(),
         Value::Lags(lags) => lag_texts(lags).into(),
     }

@@ -2,8 +2,8 @@
 
 use super::score::Score;
 use crate::Error;
-use crate::config::setting::Setting;
-use crate::config::values::SettingValues;
+use crate::config::common::{LATENT, MOTION_MODEL};
+use crate::config::setting::{AnySetting, SettingValues};
 use crate::setup::Setup;
 use crate::track::error::TrackError;
 use sinew_core::lanes::Isa;
@@ -62,19 +62,25 @@ pub struct About {
     /// Number of particles where nobody says how many; `None` for methods without particles.
     pub particles: Option<fn() -> usize>,
     /// Settings that no other method has; idle with every other method ([`crate::config::idle`]).
-    pub settings: &'static [Setting],
-    /// The method with its default settings.
-    pub usual: fn() -> Arc<dyn Method>,
+    pub settings: &'static [&'static dyn AnySetting],
     /// The method with the settings of a run.
     pub configure: fn(&SettingValues) -> Arc<dyn Method>,
     /// A mistake that shows only in several settings together, as a sentence; `None` where there is none.
     pub mistake: fn(&SettingValues) -> Option<String>,
 }
 
+impl About {
+    /// The method with its default settings.
+    #[must_use]
+    pub fn usual(&self) -> Arc<dyn Method> {
+        (self.configure)(&SettingValues::default())
+    }
+}
+
 /// That a method takes no learned motion model, where one is given.
 #[must_use]
 pub fn no_motion_model(values: &SettingValues, method: &str) -> Option<String> {
-    values.get("motion_model").map(|_| {
+    values.of(&MOTION_MODEL).map(|_| {
         format!(
             "`motion_model` cannot be used with `{method}`; it is for the methods hmc, bootstrap, guided, annealed and hppf"
         )
@@ -84,7 +90,7 @@ pub fn no_motion_model(values: &SettingValues, method: &str) -> Option<String> {
 /// That a method needs a latent model, where none is given.
 #[must_use]
 pub fn no_latent_model(values: &SettingValues, method: &str) -> Option<String> {
-    let missing = values.get("latent").is_none();
+    let missing = values.of(&LATENT).is_none();
     missing.then(|| {
         format!("`{method}` needs `latent`, the file of a latent model of the body; `sinew learn latent` makes one")
     })

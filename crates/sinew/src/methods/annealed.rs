@@ -3,8 +3,8 @@
 use super::about::{About, Gives, LatentUse, Making, Method, Steps};
 use super::score::Score;
 use crate::Error;
-use crate::config::setting::{SAMPLING, SHARE, Setting, SettingKind, computed};
-use crate::config::values::SettingValues;
+use crate::config::common::PARTICLES;
+use crate::config::setting::{AnySetting, SHARE, SettingKind, SettingValues, Typed, of_method};
 use sinew_samplers::annealed_search;
 use sinew_tracking::annealed::{self, Config};
 use std::sync::Arc;
@@ -31,8 +31,7 @@ pub const ABOUT: About = About {
     score: Score::Bidirectional,
     score_beside_keypoints: Score::Bidirectional,
     particles: Some(|| AnnealedMethod::default().0.particles),
-    settings: &SETTINGS,
-    usual: || Arc::new(AnnealedMethod::default()),
+    settings: SETTINGS,
     configure,
     mistake: |_| None,
 };
@@ -40,23 +39,26 @@ pub const ABOUT: About = About {
 const RATE_OF_SURVIVAL: SettingKind = SettingKind::Number { least: 0.0, excluded: true, most: 0.99 };
 
 #[rustfmt::skip]
-const SETTINGS: [Setting; 4] = [
-    computed((SAMPLING, "layers", SettingKind::Count(1, 1000), "N", || AnnealedMethod::default().0.layers.layers.to_string(), "layers (annealed)")),
-    computed((SAMPLING, "survival", RATE_OF_SURVIVAL, "X", || AnnealedMethod::default().0.layers.survival.to_string(), "share of the particles that survives a layer (annealed)")),
-    computed((SAMPLING, "adaptive", SettingKind::Flag, "", || AnnealedMethod::default().0.layers.adaptive.to_string(), "diffuse no coordinate wider than the particles that survived, soft partitions (annealed)")),
-    computed((SAMPLING, "crossover", SHARE, "X", || AnnealedMethod::default().0.layers.crossover.to_string(), "share of the particles that is crossed in each layer (annealed); 0 is the filter of 2000")),
-];
+const LAYERS: Typed<usize> = of_method(("layers", SettingKind::Count(1, 1000), "N", || AnnealedMethod::default().0.layers.layers, "layers (annealed)"));
+#[rustfmt::skip]
+const SURVIVAL: Typed<f64> = of_method(("survival", RATE_OF_SURVIVAL, "X", || AnnealedMethod::default().0.layers.survival, "share of the particles that survives a layer (annealed)"));
+#[rustfmt::skip]
+const ADAPTIVE: Typed<bool> = of_method(("adaptive", SettingKind::Flag, "", || AnnealedMethod::default().0.layers.adaptive, "diffuse no coordinate wider than the particles that survived, soft partitions (annealed)"));
+#[rustfmt::skip]
+const CROSSOVER: Typed<f64> = of_method(("crossover", SHARE, "X", || AnnealedMethod::default().0.layers.crossover, "share of the particles that is crossed in each layer (annealed); 0 is the filter of 2000"));
+
+const SETTINGS: &[&dyn AnySetting] = &[&LAYERS, &SURVIVAL, &ADAPTIVE, &CROSSOVER];
 
 fn configure(values: &SettingValues) -> Arc<dyn Method> {
     let usual = AnnealedMethod::default().0;
     let layers = annealed_search::Config {
-        layers: values.size("layers"),
-        survival: values.number("survival").unwrap_or(usual.layers.survival),
-        adaptive: values.flag("adaptive"),
-        crossover: values.number("crossover").unwrap_or_default(),
+        layers: values.of(&LAYERS),
+        survival: values.of(&SURVIVAL),
+        adaptive: values.of(&ADAPTIVE),
+        crossover: values.of(&CROSSOVER),
         ..usual.layers
     };
-    Arc::new(AnnealedMethod(Config { particles: values.size_or("particles", usual.particles), layers }))
+    Arc::new(AnnealedMethod(Config { particles: values.of(&PARTICLES).unwrap_or(usual.particles), layers }))
 }
 
 impl Method for AnnealedMethod {

@@ -3,7 +3,8 @@
 use super::about::{About, Gives, LatentUse, Making, Method, Steps};
 use super::score::Score;
 use crate::Error;
-use crate::config::values::SettingValues;
+use crate::config::common::PARTICLES;
+use crate::config::setting::SettingValues;
 use sinew_tracking::bootstrap::{self, Config};
 use std::sync::Arc;
 
@@ -29,14 +30,13 @@ pub const ABOUT: About = About {
     score_beside_keypoints: Score::Bidirectional,
     particles: Some(|| BootstrapMethod::default().0.particles),
     settings: &[],
-    usual: || Arc::new(BootstrapMethod::default()),
     configure,
     mistake: |_| None,
 };
 
 fn configure(values: &SettingValues) -> Arc<dyn Method> {
     let usual = BootstrapMethod::default().0;
-    Arc::new(BootstrapMethod(Config { particles: values.size_or("particles", usual.particles), ..usual }))
+    Arc::new(BootstrapMethod(Config { particles: values.of(&PARTICLES).unwrap_or(usual.particles), ..usual }))
 }
 
 impl Method for BootstrapMethod {

@@ -3,8 +3,8 @@
 use super::about::{About, Gives, LatentUse, Making, Method, Steps, no_motion_model};
 use super::score::Score;
 use crate::Error;
-use crate::config::setting::{SAMPLING, Setting, SettingKind, computed};
-use crate::config::values::SettingValues;
+use crate::config::common::PARTICLES;
+use crate::config::setting::{AnySetting, SettingKind, SettingValues, Typed, of_method};
 use crate::track::error::TrackError;
 use sinew_samplers::grid::GridAxis;
 use sinew_tracking::coarse_to_fine::{self, Config};
@@ -25,21 +25,20 @@ pub const ABOUT: About = About {
     score: Score::CoarseToFine,
     score_beside_keypoints: Score::CoarseToFine,
     particles: Some(|| CoarseToFineMethod::default().0.coarse),
-    settings: &SETTINGS,
-    usual: || Arc::new(CoarseToFineMethod::default()),
+    settings: SETTINGS,
     configure,
     mistake: |values| no_motion_model(values, ABOUT.name),
 };
 
 #[rustfmt::skip]
-const SETTINGS: [Setting; 1] = [
-    computed((SAMPLING, "fine", SettingKind::Count(1, 100_000_000), "N", || CoarseToFineMethod::default().0.fine.to_string(), "particles of the fine level (coarse-to-fine)")),
-];
+const FINE: Typed<usize> = of_method(("fine", SettingKind::Count(1, 100_000_000), "N", || CoarseToFineMethod::default().0.fine, "particles of the fine level (coarse-to-fine)"));
+
+const SETTINGS: &[&dyn AnySetting] = &[&FINE];
 
 fn configure(values: &SettingValues) -> Arc<dyn Method> {
     let usual = CoarseToFineMethod::default().0;
-    let coarse = values.size_or("particles", usual.coarse);
-    Arc::new(CoarseToFineMethod(Config { coarse, fine: values.size("fine"), ..usual }))
+    let coarse = values.of(&PARTICLES).unwrap_or(usual.coarse);
+    Arc::new(CoarseToFineMethod(Config { coarse, fine: values.of(&FINE), ..usual }))
 }
 
 /// Range of a position about where tracking began, metres, in which the coarse level has partitions.

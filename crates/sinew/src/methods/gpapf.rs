@@ -4,8 +4,8 @@ use super::about::{About, Gives, LatentUse, Making, Method, Steps, no_latent_mod
 use super::latent_state::{ROOT, around, decoder, motion, stored};
 use super::score::Score;
 use crate::Error;
-use crate::config::setting::{SAMPLING, SHARE, Setting, SettingKind, computed};
-use crate::config::values::SettingValues;
+use crate::config::common::PARTICLES;
+use crate::config::setting::{AnySetting, SHARE, SettingKind, SettingValues, Typed, of_method};
 use sinew_core::injection::Injection;
 use sinew_latent::motion::step_sd;
 use sinew_tracking::gpapf::{self, Config};
@@ -31,28 +31,29 @@ pub const ABOUT: About = About {
     score: Score::Bidirectional,
     score_beside_keypoints: Score::Bidirectional,
     particles: Some(|| GpapfMethod::default().config.annealing.particles),
-    settings: &SETTINGS,
-    usual: || Arc::new(GpapfMethod::default()),
+    settings: SETTINGS,
     configure,
     mistake: |values| no_latent_model(values, ABOUT.name),
 };
 
 #[rustfmt::skip]
-const SETTINGS: [Setting; 3] = [
-    computed((SAMPLING, "latent_layers", SettingKind::Count(1, 1000), "N", || GpapfMethod::default().config.annealing.layers.layers.to_string(), "layers (gpapf)")),
-    computed((SAMPLING, "inject", SHARE, "P", || GpapfMethod::default().config.injection.probability.to_string(), "probability that a particle begins a frame at a learned pose (gpapf)")),
-    computed((SAMPLING, "refine", SettingKind::Flag, "", || GpapfMethod::default().refine.to_string(), "one more layer among poses outside of the latent space (gpapf)")),
-];
+const LATENT_LAYERS: Typed<usize> = of_method(("latent_layers", SettingKind::Count(1, 1000), "N", || GpapfMethod::default().config.annealing.layers.layers, "layers (gpapf)"));
+#[rustfmt::skip]
+const INJECT: Typed<f64> = of_method(("inject", SHARE, "P", || GpapfMethod::default().config.injection.probability, "probability that a particle begins a frame at a learned pose (gpapf)"));
+#[rustfmt::skip]
+const REFINE: Typed<bool> = of_method(("refine", SettingKind::Flag, "", || GpapfMethod::default().refine, "one more layer among poses outside of the latent space (gpapf)"));
+
+const SETTINGS: &[&dyn AnySetting] = &[&LATENT_LAYERS, &INJECT, &REFINE];
 
 /// Noise of the layer among poses, as a share of the noise of a frame.
 const REFINEMENT: f64 = 0.25;
 
 fn configure(values: &SettingValues) -> Arc<dyn Method> {
-    let mut method = GpapfMethod { refine: values.flag("refine"), ..GpapfMethod::default() };
+    let mut method = GpapfMethod { refine: values.of(&REFINE), ..GpapfMethod::default() };
     let annealing = &mut method.config.annealing;
-    annealing.particles = values.size_or("particles", annealing.particles);
-    annealing.layers.layers = values.size("latent_layers");
-    method.config.injection.probability = values.number("inject").unwrap_or_default();
+    annealing.particles = values.of(&PARTICLES).unwrap_or(annealing.particles);
+    annealing.layers.layers = values.of(&LATENT_LAYERS);
+    method.config.injection.probability = values.of(&INJECT);
     Arc::new(method)
 }
 

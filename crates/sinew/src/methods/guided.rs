@@ -2,7 +2,8 @@
 
 use super::about::{About, Making, Method, Steps};
 use crate::Error;
-use crate::config::values::SettingValues;
+use crate::config::common::PARTICLES;
+use crate::config::setting::SettingValues;
 use sinew_tracking::guided::{Config, Guided};
 use std::sync::Arc;
 
@@ -16,14 +17,13 @@ pub const ABOUT: About = About {
     help: "particle filter whose particles see the frame before they move",
     needs_gradients: true,
     particles: Some(|| GuidedMethod::default().0.particles),
-    usual: || Arc::new(GuidedMethod::default()),
     configure,
     ..super::bootstrap::ABOUT
 };
 
 fn configure(values: &SettingValues) -> Arc<dyn Method> {
     let usual = GuidedMethod::default().0;
-    Arc::new(GuidedMethod(Config { particles: values.size_or("particles", usual.particles), ..usual }))
+    Arc::new(GuidedMethod(Config { particles: values.of(&PARTICLES).unwrap_or(usual.particles), ..usual }))
 }
 
 impl Method for GuidedMethod {

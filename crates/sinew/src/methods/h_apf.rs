@@ -4,8 +4,8 @@ use super::about::{About, Gives, LatentUse, Making, Method, Steps, no_latent_mod
 use super::latent_state::{leading, motion, rest, stored};
 use super::score::Score;
 use crate::Error;
-use crate::config::setting::{SAMPLING, Setting, SettingKind, computed};
-use crate::config::values::SettingValues;
+use crate::config::common::PARTICLES;
+use crate::config::setting::{AnySetting, SettingKind, SettingValues, Typed, of_method};
 use crate::track::error::TrackError;
 use sinew_latent::tree::hierarchy;
 use sinew_tracking::h_apf::{Config, HApf};
@@ -38,21 +38,20 @@ pub const ABOUT: About = About {
     score: Score::Bidirectional,
     score_beside_keypoints: Score::Bidirectional,
     particles: Some(|| HApfMethod::default().config.particles),
-    settings: &SETTINGS,
-    usual: || Arc::new(HApfMethod::default()),
+    settings: SETTINGS,
     configure,
     mistake: |values| no_latent_model(values, ABOUT.name),
 };
 
 #[rustfmt::skip]
-const SETTINGS: [Setting; 1] = [
-    computed((SAMPLING, "visits", SettingKind::Count(2, 1000), "N", || HApfMethod::default().visits.to_string(), "visits of layers of the hierarchy: one more of the root and of the leaves than of the layers between, the rest of the leaves (h-apf)")),
-];
+const VISITS: Typed<usize> = of_method(("visits", SettingKind::Count(2, 1000), "N", || HApfMethod::default().visits, "visits of layers of the hierarchy: one more of the root and of the leaves than of the layers between, the rest of the leaves (h-apf)"));
+
+const SETTINGS: &[&dyn AnySetting] = &[&VISITS];
 
 fn configure(values: &SettingValues) -> Arc<dyn Method> {
     let mut config = HApfMethod::default().config;
-    config.particles = values.size_or("particles", config.particles);
-    Arc::new(HApfMethod { config, visits: values.size("visits") })
+    config.particles = values.of(&PARTICLES).unwrap_or(config.particles);
+    Arc::new(HApfMethod { config, visits: values.of(&VISITS) })
 }
 
 /// A schedule of a number of visits over a number of layers: the root twice, every layer between once, the last one for the rest; with one layer all visits are its own. The paper's (1, 1, 2, 3, 3) is that of five visits and three layers.

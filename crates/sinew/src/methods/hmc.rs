@@ -7,8 +7,9 @@ use super::about::{About, Gives, LatentUse, Making, Method, StepSize, Steps};
 use super::latent_state::{ROOT, decoder, walk};
 use super::score::Score;
 use crate::Error;
-use crate::config::setting::{SAMPLING, SHARE, Setting, SettingKind, computed};
-use crate::config::values::SettingValues;
+use crate::config::setting::{
+    AnySetting, NamedValues, SAMPLING, SHARE, SettingKind, SettingValues, Typed, choice, of_method,
+};
 use crate::setup::Setup;
 use crate::track::error::TrackError;
 use sinew_body::leg_turns::shows_feet;
@@ -54,45 +55,62 @@ pub const ABOUT: About = About {
     score: Score::Bidirectional,
     score_beside_keypoints: Score::Bidirectional,
     particles: None,
-    settings: &SETTINGS,
-    usual: || Arc::new(LimitedHmc { method: HmcMethod::default(), all: false }),
+    settings: SETTINGS,
     configure,
     mistake,
 };
 
-/// Which limits of joints count; `AUTO`: limits of what keypoints leave undecided ([`undecided_ranges`]), and all where keypoints show no foot. Without them a limb that hangs straight may turn about itself by
+/// Which limits of joints count. Without them a limb that hangs straight may turn about itself by
 /// half a turn and then bends backward, which fits as well. Others change the mean of an angle that is badly known near its limit, in every frame again.
-const AUTO: &str = "auto";
-const OFF: &str = "off";
-const ON: &str = "on";
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WhichLimits {
+    /// Those of what keypoints leave undecided ([`undecided_ranges`]), and all where keypoints show no foot.
+    Auto,
+    /// None.
+    Off,
+    /// All.
+    On,
+}
+
+impl NamedValues for WhichLimits {
+    const NAMES: &'static [&'static str] = &["auto", "off", "on"];
+    const ALL: &'static [Self] = &[Self::Auto, Self::Off, Self::On];
+}
 
 #[rustfmt::skip]
-const SETTINGS: [Setting; 6] = [
-    computed((SAMPLING, "chains", SettingKind::Count(1, 100_000), "N", || HmcMethod::default().0.chains.to_string(), "chains of a frame (hmc)")),
-    computed((SAMPLING, "updates", SettingKind::Count(1, 1_000_000), "N", || HmcMethod::default().0.updates.to_string(), "updates of each chain in a frame (hmc)")),
-    computed((SAMPLING, "patience", SettingKind::Count(1, 64), "N", || HmcMethod::default().0.patience.to_string(), "times the updates that chains which disagree may take; 1 for frames that take the same time (hmc)")),
-    computed((SAMPLING, "burn_in", SettingKind::Count(0, 1_000_000), "N", || HmcMethod::default().0.burn_in.to_string(), "first samples of each chain that are discarded (hmc)")),
-    computed((SAMPLING, "jitter", SHARE, "X", || HmcMethod::default().0.jitter.to_string(), "relative jitter of the step size (hmc)")),
-    computed((SAMPLING, "joint_limits", SettingKind::Choice(&[AUTO, OFF, ON]), "WHEN", || AUTO.into(), "soft limits of joints in the prior: off, on, or auto: of knees, elbows, turns of trunk and head, and of all where keypoints show no feet (hmc)")),
-];
+const CHAINS: Typed<usize> = of_method(("chains", SettingKind::Count(1, 100_000), "N", || HmcMethod::default().0.chains, "chains of a frame (hmc)"));
+#[rustfmt::skip]
+const UPDATES: Typed<usize> = of_method(("updates", SettingKind::Count(1, 1_000_000), "N", || HmcMethod::default().0.updates, "updates of each chain in a frame (hmc)"));
+/// Times the updates that chains which disagree may take.
+#[rustfmt::skip]
+pub const PATIENCE: Typed<usize> = of_method(("patience", SettingKind::Count(1, 64), "N", || HmcMethod::default().0.patience, "times the updates that chains which disagree may take; 1 for frames that take the same time (hmc)"));
+#[rustfmt::skip]
+const BURN_IN: Typed<usize> = of_method(("burn_in", SettingKind::Count(0, 1_000_000), "N", || HmcMethod::default().0.burn_in, "first samples of each chain that are discarded (hmc)"));
+#[rustfmt::skip]
+const JITTER: Typed<f64> = of_method(("jitter", SHARE, "X", || HmcMethod::default().0.jitter, "relative jitter of the step size (hmc)"));
+/// Soft limits of joints.
+#[rustfmt::skip]
+pub const JOINT_LIMITS: Typed<WhichLimits> = choice((SAMPLING, "joint_limits", "WHEN", "soft limits of joints in the prior: off, on, or auto: of knees, elbows, turns of trunk and head, and of all where keypoints show no feet (hmc)")).rare();
+
+const SETTINGS: &[&dyn AnySetting] = &[&CHAINS, &UPDATES, &PATIENCE, &BURN_IN, &JITTER, &JOINT_LIMITS];
 
 fn configure(values: &SettingValues) -> Arc<dyn Method> {
     let method = HmcMethod(Config {
-        chains: values.size("chains"),
-        updates: values.size("updates"),
-        burn_in: values.size("burn_in"),
-        patience: values.size("patience"),
-        jitter: values.number("jitter").unwrap_or_default(),
+        chains: values.of(&CHAINS),
+        updates: values.of(&UPDATES),
+        burn_in: values.of(&BURN_IN),
+        patience: values.of(&PATIENCE),
+        jitter: values.of(&JITTER),
         ..Config::real_recordings()
     });
-    match values.text("joint_limits").as_deref() {
-        Some(OFF) => Arc::new(method),
-        limits => Arc::new(LimitedHmc { method, all: limits == Some(ON) }),
+    match values.of(&JOINT_LIMITS) {
+        WhichLimits::Off => Arc::new(method),
+        limits => Arc::new(LimitedHmc { method, all: limits == WhichLimits::On }),
     }
 }
 
 fn mistake(values: &SettingValues) -> Option<String> {
-    let (burn_in, updates) = (values.count("burn_in").unwrap_or_default(), values.count("updates").unwrap_or(1));
+    let (burn_in, updates) = (values.of(&BURN_IN), values.of(&UPDATES));
     (burn_in >= updates).then(|| format!("`burn_in` is {burn_in}; it must be less than `updates`, which is {updates}"))
 }
 

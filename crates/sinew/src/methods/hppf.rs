@@ -3,8 +3,8 @@
 use super::about::{About, Gives, LatentUse, Making, Method, Steps};
 use super::score::Score;
 use crate::Error;
-use crate::config::setting::{SAMPLING, Setting, SettingKind, computed};
-use crate::config::values::SettingValues;
+use crate::config::common::PARTICLES;
+use crate::config::setting::{AnySetting, NamedValues, SAMPLING, SettingValues, Typed, choice};
 use crate::setup::Body;
 use crate::track::error::TrackError;
 use sinew_body::hppf24;
@@ -33,29 +33,25 @@ pub const ABOUT: About = About {
     score: Score::Parts,
     score_beside_keypoints: Score::Parts,
     particles: Some(|| HppfMethod::default().config.particles),
-    settings: &SETTINGS,
-    usual: || Arc::new(HppfMethod::default()),
+    settings: SETTINGS,
     configure,
     mistake: |_| None,
 };
 
-/// Names of [`LevelPrimitives`].
-const NESTED: &str = "nested";
-const OWN_PARTS: &str = "own-parts";
+impl NamedValues for LevelPrimitives {
+    const NAMES: &'static [&'static str] = &["nested", "own-parts"];
+    const ALL: &'static [Self] = &[Self::Nested, Self::OwnParts];
+}
 
 #[rustfmt::skip]
-const SETTINGS: [Setting; 1] = [
-    computed((SAMPLING, "level_primitives", SettingKind::Choice(&[NESTED, OWN_PARTS]), "NAME", || NESTED.into(), "action primitives that move a part: nested, with all that hangs on it, or own-parts (hppf, with a motion model)")),
-];
+const LEVEL_PRIMITIVES: Typed<LevelPrimitives> = choice((SAMPLING, "level_primitives", "NAME", "action primitives that move a part: nested, with all that hangs on it, or own-parts (hppf, with a motion model)")).rare();
+
+const SETTINGS: &[&dyn AnySetting] = &[&LEVEL_PRIMITIVES];
 
 fn configure(values: &SettingValues) -> Arc<dyn Method> {
     let usual = HppfMethod::default();
-    let primitives = match values.text("level_primitives").as_deref() {
-        Some(OWN_PARTS) => LevelPrimitives::OwnParts,
-        _ => LevelPrimitives::Nested,
-    };
-    let config = Config { particles: values.size_or("particles", usual.config.particles), ..usual.config };
-    Arc::new(HppfMethod { config, primitives })
+    let config = Config { particles: values.of(&PARTICLES).unwrap_or(usual.config.particles), ..usual.config };
+    Arc::new(HppfMethod { config, primitives: values.of(&LEVEL_PRIMITIVES) })
 }
 
 /// First coordinate that is an angle, after the position.

@@ -3,7 +3,8 @@
 use super::about::{About, Gives, LatentUse, Making, Method, Steps, no_motion_model};
 use super::score::Score;
 use crate::Error;
-use crate::config::values::SettingValues;
+use crate::config::common::PARTICLES;
+use crate::config::setting::SettingValues;
 use sinew_tracking::partitioned::{self, Config};
 use std::sync::Arc;
 
@@ -23,14 +24,13 @@ pub const ABOUT: About = About {
     score_beside_keypoints: Score::Parts,
     particles: Some(|| PartitionedMethod::default().0.particles),
     settings: &[],
-    usual: || Arc::new(PartitionedMethod::default()),
     configure,
     mistake: |values| no_motion_model(values, ABOUT.name),
 };
 
 fn configure(values: &SettingValues) -> Arc<dyn Method> {
     let usual = PartitionedMethod::default().0;
-    Arc::new(PartitionedMethod(Config { particles: values.size_or("particles", usual.particles), ..usual }))
+    Arc::new(PartitionedMethod(Config { particles: values.of(&PARTICLES).unwrap_or(usual.particles), ..usual }))
 }
 
 impl Method for PartitionedMethod {

@@ -1,6 +1,6 @@
 //! Who hears of a run while it goes: a terminal, a notebook, a log, or nobody.
 
-use crate::track::job::RunPhase;
+use crate::track::job::{RunPhase, Watch};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -58,22 +58,11 @@ impl Counter for Nothing {
     fn at(&mut self, _: u64) {}
 }
 
-/// One counter a pass over the frames.
-pub struct PassCounter<'a> {
-    listener: &'a dyn Listener,
-    current: Option<(RunPhase, Box<dyn Counter + 'a>)>,
-}
-
-impl<'a> PassCounter<'a> {
-    /// For who listens.
-    #[must_use]
-    pub fn new(listener: &'a dyn Listener) -> Self {
-        Self { listener, current: None }
-    }
-
-    /// `done` of `total` frames of a pass are done.
-    pub fn at(&mut self, pass: RunPhase, done: u64, total: u64) {
-        if !self.current.as_ref().is_some_and(|(current, _)| *current == pass) {
+/// Does what counts its passes over the frames, one counter a pass, and stops once the listener wants an end.
+pub fn watched<T>(listener: &dyn Listener, run: impl FnOnce(&mut Watch<'_>) -> T) -> T {
+    let mut current: Option<(RunPhase, Box<dyn Counter + '_>)> = None;
+    let mut progress = |pass: RunPhase, done: u64, total: u64| {
+        if current.as_ref().is_none_or(|(current, _)| *current != pass) {
             let what = match pass {
                 RunPhase::Check => "reading again",
                 RunPhase::SetUp => "set-up",
@@ -81,11 +70,12 @@ impl<'a> PassCounter<'a> {
                 RunPhase::Smooth => "smoothing",
             };
             // The one before ends first.
-            self.current = None;
-            self.current = Some((pass, self.listener.counter(what, "frames", total)));
+            current = None;
+            current = Some((pass, listener.counter(what, "frames", total)));
         }
-        if let Some((_, counter)) = &mut self.current {
+        if let Some((_, counter)) = &mut current {
             counter.at(done);
         }
-    }
+    };
+    run(&mut Watch { progress: &mut progress, stop: &listener.stop() })
 }

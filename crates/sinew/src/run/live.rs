@@ -22,24 +22,22 @@ pub use place::{LivePlace, Streams};
 
 use super::read_from;
 use crate::Error;
-use crate::config::track::DEFAULT_FPS;
-use crate::config::value::Value;
+use crate::config::common::{FRAMES, IMAGES, INIT, KEYPOINTS, LAG, SETUP_FRAMES, SILHOUETTES, SMOOTH, TRIM};
 use crate::config::{Resolved, TrackConfig};
 use crate::input::live::LiveCameras;
+use crate::methods::hmc;
 use crate::run::claimed::claimed;
 use crate::run::former_results::forget_people;
-use crate::run::listener::{Listener, PassCounter};
-use crate::run::settings::reading as options;
+use crate::run::listener::{Listener, watched};
 use crate::run::threads::{wanted, with_threads};
 use crate::track::job::live::{Answers, track_live};
-use crate::track::job::{self, Outcome, Watch};
+use crate::track::job::{self, Outcome};
 use answering::Answering;
 use queue::Queue;
 use reading::Reading;
 use sinew_results::estimate::{FrameEstimate, RunInfo};
 use sinew_results::refuse_inputs;
 use source::Source;
-use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -62,29 +60,29 @@ pub struct LiveRequest {
 }
 
 /// Times the updates that chains which disagree take, where the settings do not say: the next frames must not wait.
-const PATIENCE: u64 = 1;
+const PATIENCE: usize = 1;
 
 /// Tracks frames as they come into the folder of the settings.
 ///
 /// # Errors
 /// [`Error`], with what was done kept in the folder where anything was.
 pub fn track(resolved: &Resolved, request: LiveRequest, listener: &dyn Listener) -> Result<Outcome, Error> {
-    let resolved = &resolved.clone().with_default("patience", Value::Count(PATIENCE));
+    let resolved = &resolved.clone().with_default(&hmc::PATIENCE, PATIENCE);
     let config = resolved.track();
     let LiveRequest { place, standard, setup_s, settings_file } = request;
     let calibration = check(resolved, &config)?;
     let read_from = read_from(&config, &calibration, settings_file.as_deref());
     refuse_inputs(&config.out, &read_from)?;
     job::check_settings(resolved)?;
-    let cameras = LiveCameras::open(&calibration, &options(&config))?;
-    let layout = cameras.named_layout(&options(&config))?;
+    let cameras = LiveCameras::open(&calibration, &config.recording)?;
+    let layout = cameras.named_layout(&config.recording)?;
     let claim = claimed(&config, &read_from, listener)?;
     forget_people(&config, &read_from)?;
     let streams = match place {
         LivePlace::Standard => standard,
         LivePlace::Tcp(address) => place::connected(address, listener)?,
     };
-    let fps = config.fps.unwrap_or(DEFAULT_FPS);
+    let fps = config.fps();
     let answering = Answering::begin(streams.answers);
     let queue = Arc::new(Queue::default());
     queue.state().layout.clone_from(&layout);
@@ -102,9 +100,10 @@ pub fn track(resolved: &Resolved, request: LiveRequest, listener: &dyn Listener)
         Some(frames) => source.first_frames(frames)?,
         None => 0..0,
     };
-    let ended = with_threads(wanted(&config), || {
-        let mut tracking = Tracking { answering: &answering, queue: &queue };
-        tracked(&mut source, setup_frames, resolved, claim, &mut tracking, listener)
+    let mut answers = Tracking { answering: &answering, queue: &queue };
+    let ended = watched(listener, |watch| {
+        let run = || track_live(&mut source, setup_frames, resolved, claim, watch, &mut answers);
+        with_threads(wanted(&config), run)
     });
     if let Ok(Some(Outcome { summary, .. })) = &ended {
         answering.post(answer::end(summary, queue.state().skipped, answering.dropped()));
@@ -117,28 +116,12 @@ pub fn track(resolved: &Resolved, request: LiveRequest, listener: &dyn Listener)
 
 /// Settings that a live run can carry out; the calibration.
 fn check(resolved: &Resolved, config: &TrackConfig) -> Result<PathBuf, Error> {
-    const OF_FILES: [&str; 9] =
-        ["keypoints", "silhouettes", "images", "init", "frames", "setup_frames", "trim", "lag", "smooth"];
-    if let Some(setting) = OF_FILES.into_iter().find(|setting| resolved.is_given(setting)) {
+    let observed = [KEYPOINTS.key, SILHOUETTES.key, IMAGES.key, INIT.key];
+    let later = [FRAMES.key, SETUP_FRAMES.key, TRIM.key, LAG.key, SMOOTH.key];
+    if let Some(setting) = observed.into_iter().chain(later).find(|key| resolved.is_given(key)) {
         return Err(LiveError::OfFiles(setting).into());
     }
     config.calibration.clone().ok_or(Error::NothingToTrack { calibration: false, observation: true })
-}
-
-/// The run itself.
-fn tracked(
-    source: &mut Source<'_>,
-    setup_frames: Range<u64>,
-    resolved: &Resolved,
-    claim: sinew_results::Claim,
-    answers: &mut Tracking<'_>,
-    listener: &dyn Listener,
-) -> Result<Option<Outcome>, crate::Error> {
-    let mut counter = PassCounter::new(listener);
-    let stop = listener.stop();
-    let mut at = |pass, done, total| counter.at(pass, done, total);
-    let mut watch = Watch { progress: &mut at, stop: &stop };
-    track_live(source, setup_frames, resolved, claim, &mut watch, answers)
 }
 
 /// Posts what is known of a frame.

@@ -2,20 +2,18 @@
 
 use super::claimed::{claimed, claimed_in};
 use super::former_results::forget_people;
-use super::listener::{Listener, PassCounter};
-use super::pieces::{calibration, how_to_resume, setup_frames, within};
+use super::listener::{Listener, watched};
+use super::pieces::{calibration, how_to_resume, opened};
 use super::refined_calibration;
 use super::request::{CameTo, OneCameTo, Run};
 use super::resume::{Start, stopped_run};
-use super::settings::reading;
 use super::threads::{wanted, with_threads};
 use crate::Error;
 use crate::config::Resolved;
-use crate::input::footage::Footage;
 use crate::input::one_person::OnePerson;
 use crate::input::roll::Roll;
 use crate::input::source::FrameSource;
-use crate::track::job::{self, Outcome, RunPhase, Watch};
+use crate::track::job::{self, Outcome, Watch};
 use sinew_results::{Claim, ResultFolder, problem, refuse_inputs};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -37,9 +35,7 @@ pub(crate) fn track<S: FrameSource + Send>(
         None if request.resume => stopped_run(&config, read_from, listener)?,
         None => Start::New(claimed_in(request.storage(), &config, read_from, listener)?),
     };
-    let mut counter = PassCounter::new(listener);
-    let mut at = |pass, done, total| counter.at(pass, done, total);
-    let came_to = tracked(source, setup_frames, resolved, start, wanted(&config), listener, &mut at);
+    let came_to = watched(listener, |watch| tracked(source, setup_frames, resolved, start, wanted(&config), watch));
     let came_to = came_to.inspect_err(|error| {
         if let Error::Results(sinew_results::Error::Checkpoint { .. }) = error {
             return;
@@ -72,18 +68,11 @@ pub fn track_alone(
     let config = resolved.track();
     refuse_inputs(&config.out, read_from)?;
     job::check_settings(resolved)?;
-    let mut recording = Footage::open(&config.files(&calibration(&config)?), &reading(&config))?;
-    let frames = setup_frames(&config, &recording)?;
+    let (mut recording, frames) = opened(&config, &calibration(&config)?, chosen)?;
     let claim = claimed(&config, read_from, listener)?;
-    let mut counter = PassCounter::new(listener);
-    let mut watch = Watch { progress: &mut |pass, done, total| counter.at(pass, done, total), stop: &listener.stop() };
-    with_threads(wanted(&config), || match chosen {
-        None => job::track(&mut recording, frames, resolved, claim, &mut watch, None),
-        Some((roll, person)) => {
-            let frames = within(&frames, &roll.people[person].frames);
-            let mut source = OnePerson { source: &mut recording, roll, person };
-            job::track(&mut source, frames, resolved, claim, &mut watch, None)
-        }
+    let mut source = OnePerson { source: &mut recording, chosen };
+    watched(listener, |watch| {
+        with_threads(wanted(&config), || job::track(&mut source, frames, resolved, claim, watch, None))
     })
 }
 
@@ -94,20 +83,17 @@ pub(crate) fn tracked<S: FrameSource + Send>(
     resolved: &Resolved,
     start: Start,
     threads: usize,
-    listener: &dyn Listener,
-    progress: &mut (dyn FnMut(RunPhase, u64, u64) + Send),
+    watch: &mut Watch<'_>,
 ) -> Result<OneCameTo, Error> {
-    let stop = listener.stop();
-    let mut watch = Watch { progress, stop: &stop };
     let (claim, from) = match start {
         Start::New(claim) => (claim, None),
         Start::At(claim, checkpoint) => (claim, Some(*checkpoint)),
         Start::Complete(claim, summary) => {
-            job::check_complete(source, setup_frames, resolved, claim.folder(), &summary, &mut watch)?;
+            job::check_complete(source, setup_frames, resolved, claim.folder(), &summary, watch)?;
             ResultFolder::forget(&claim)?;
             return Ok(OneCameTo::Complete(summary));
         }
     };
-    let run = || job::track(source, setup_frames, resolved, claim, &mut watch, from);
+    let run = || job::track(source, setup_frames, resolved, claim, watch, from);
     Ok(OneCameTo::Tracked(Box::new(with_threads(threads, run)?)))
 }

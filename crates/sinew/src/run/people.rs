@@ -6,19 +6,17 @@
 use super::former_results::{forget_one, forget_people};
 use super::listener::{Counter, Listener};
 use super::one_person::tracked;
-use super::pieces::{setup_frames, within};
+use super::pieces::opened;
 use super::refined_calibration;
 use super::request::{OneCameTo, Run};
 use super::resume::{Start, stopped_or_begun};
-use super::settings::reading;
 use super::threads::{beside_each_other, wanted};
 use crate::Error;
 use crate::config::TrackConfig;
-use crate::input::footage::Footage;
 use crate::input::one_person::OnePerson;
 use crate::input::roll::Roll;
 use crate::input::source::FrameSource as _;
-use crate::track::job::RunPhase;
+use crate::track::job::{RunPhase, Watch};
 use sinew_results::people::{PeopleSummary, person_folder};
 use sinew_results::{Claim, Summary, claim_in, claim_to_resume};
 use std::path::{Path, PathBuf};
@@ -42,9 +40,9 @@ pub(crate) fn track(run: Run<'_>, roll: &Roll, claim: Option<Claim>) -> Result<P
         forget_people(&config, read_from)?;
         forget_one(&config.out)?;
     }
-    let cameras = Footage::open(&config.files(calibration), &reading(&config))?;
+    let cameras = config.footage(calibration)?;
     let cameras = cameras.cameras().iter().map(|camera| camera.name.clone()).collect();
-    let mut summary = PeopleSummary::begun(cameras, config.settings()?.fps, &roll.people);
+    let mut summary = PeopleSummary::begun(cameras, config.fps(), &roll.people);
     summary.write(&config.out)?;
     listener.note(&format!("{} people, each tracked into a folder of {}", roll.people.len(), config.out.display()));
     let refused = everybody(run, roll, &config, &mut summary)?;
@@ -196,23 +194,24 @@ fn one(
     let out = run.resolved.track().out.join(person_folder(person));
     let resolved = run.resolved.for_person(person + 1, &out);
     let config = resolved.track();
-    let mut recording = Footage::open(&config.files(run.calibration), &reading(&config))?;
-    let seen = roll.people[person].frames.clone();
-    let frames = within(&setup_frames(&config, &recording)?, &seen);
+    let chosen = Some((roll, person));
+    let (mut recording, frames) = opened(&config, run.calibration, chosen)?;
     let is_begun = run.request.resume && out.is_dir();
     let stopped = if is_begun { stopped_or_begun(&config, run.read_from, run.listener)? } else { None };
     let start = match stopped {
         Some(stopped) => stopped,
         None => Start::New(claim_in(run.request.storage(), &out, run.read_from, config.force)?),
     };
-    let mut source = OnePerson { source: &mut recording, roll, person };
+    let mut source = OnePerson { source: &mut recording, chosen };
     let mut at = |pass, done, _| progress.at(person, pass, done);
-    match tracked(&mut source, frames, &resolved, start, threads, run.listener, &mut at)? {
+    let mut watch = Watch { progress: &mut at, stop: &run.listener.stop() };
+    match tracked(&mut source, frames, &resolved, start, threads, &mut watch)? {
         OneCameTo::Tracked(outcome) => {
             let Summary { complete, failed_diagnostics, warnings, .. } = outcome.summary;
             Ok(Tracked { complete, failed_diagnostics, warnings, about_recording: recording.warnings() })
         }
         OneCameTo::Complete(summary) => {
+            let seen = &roll.people[person].frames;
             progress.done(person, seen.end - seen.start, config.smooth);
             let failed_diagnostics = texts(&summary, "failed_diagnostics");
             Ok(Tracked { complete: true, failed_diagnostics, warnings: vec![], about_recording: vec![] })

@@ -4,6 +4,7 @@ use crate::Error;
 use crate::config::TrackConfig;
 use crate::input::flag::flag;
 use crate::input::footage::{Footage, Init};
+use crate::input::roll::Roll;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -13,18 +14,26 @@ pub fn how_to_resume() -> String {
     format!("the same command with {} continues from there", flag("resume"))
 }
 
+/// The recording of a run and the frames for its set-up: those asked for that also show the one who was `chosen`; all that show them where the two have none in common.
+pub(crate) fn opened(
+    config: &TrackConfig,
+    calibration: &Path,
+    chosen: Option<(&Roll, usize)>,
+) -> Result<(Footage, Range<u64>), Error> {
+    let recording = config.footage(calibration)?;
+    let asked = setup_frames(config, &recording)?;
+    let Some((roll, person)) = chosen else { return Ok((recording, asked)) };
+    let shown = &roll.people[person].frames;
+    let both = asked.start.max(shown.start)..asked.end.min(shown.end);
+    Ok((recording, if both.is_empty() { shown.clone() } else { both }))
+}
+
 /// Frames of a recording for the set-up pass.
 pub(crate) fn setup_frames(config: &TrackConfig, recording: &Footage) -> Result<Range<u64>, Error> {
     let available = recording.available();
     let Some(asked) = config.setup_frames.clone() else { return Ok(available) };
     let cut = asked.start.max(available.start)..asked.end.min(available.end);
     if cut.is_empty() { Err(Error::SetupFrames { asked, available }) } else { Ok(cut) }
-}
-
-/// The frames asked for that also show the person (`frames`); all frames of the person where the two have none in common.
-pub(crate) fn within(asked: &Range<u64>, frames: &Range<u64>) -> Range<u64> {
-    let both = asked.start.max(frames.start)..asked.end.min(frames.end);
-    if both.is_empty() { frames.clone() } else { both }
 }
 
 /// The calibration of a run, where there is something to track with it.

@@ -44,7 +44,7 @@ pub(crate) fn write(
 ) -> Result<(), Error> {
     let setup = config.out.join("setup.toml");
     let setup = Setup::from_toml(&setup.display().to_string(), &read_text(&setup, MAX_CONFIG_BYTES)?)?;
-    let refined = RefinedCalibration::read(calibration, &setup, config.image_scale)?;
+    let refined = RefinedCalibration::read(calibration, &setup, config.recording.image_scale)?;
     write_whole(path, refined.to_toml().as_bytes())?;
     listener.note(&format!("the calibration as the set-up refined it is in {}", path.display()));
     if !refined.unchanged.is_empty() {

@@ -4,9 +4,8 @@
 
 use super::listener::Listener;
 use super::pieces::setup_frames;
-use super::settings::reading;
 use crate::Error;
-use crate::config::value::Value;
+use crate::config::common::People;
 use crate::config::{Resolved, TrackConfig};
 use crate::input::flag::{flag, flag_with};
 use crate::input::footage::Footage;
@@ -42,11 +41,10 @@ pub fn looked_for(
     claimed: impl Fn() -> Result<Option<Claim>, Error>,
 ) -> Result<(Option<Claim>, Whom), Error> {
     let config = resolved.track();
-    let is_one = resolved.get("people").is_some_and(|people| *people == Value::Text("1".into()));
-    if config.silhouettes.is_some() || (is_one && config.person.is_none()) {
+    if config.silhouettes.is_some() || (config.people == People::One && config.person.is_none()) {
         return Ok((None, Whom::MostComplete));
     }
-    let mut recording = Footage::open(&config.files(calibration), &reading(&config))?;
+    let mut recording = config.footage(calibration)?;
     if let Some(why) = not_looked_for(resolved, &config, &recording)? {
         if config.person.is_none() && others_in_view(&mut recording)? {
             listener.warning(&why);
@@ -56,7 +54,7 @@ pub fn looked_for(
     // Mistakes in the settings are said before what is in the folder.
     setup_frames(&config, &recording)?;
     let claim = claimed()?;
-    let roll = called(&mut recording, config.settings()?.fps, listener)?;
+    let roll = called(&mut recording, config.fps(), listener)?;
     let found = roll.people.len();
     match config.person {
         None if found > 1 => Ok((claim, Whom::Everybody(roll))),
@@ -93,7 +91,7 @@ fn not_looked_for(resolved: &Resolved, config: &TrackConfig, recording: &Footage
             "with one camera nobody can find out who is who; this is the most complete one at the start ({} chooses)",
             flag("person")
         ),
-        (None, _) if (frames as f64) < LEAST_S * config.settings()?.fps => format!(
+        (None, _) if (frames as f64) < LEAST_S * config.fps() => format!(
             "{frames} frames are less than a quarter of a second, too few to find out who is who; this is the most \
              complete one at the start ({} chooses)",
             flag("person")

@@ -62,7 +62,7 @@ pub struct MadeSetup {
 /// Errors of the source and the set-up; an interrupt.
 pub fn set_up<S: FrameSource>(source: &mut S, resolved: &Resolved, watch: &mut Watch<'_>) -> Result<MadeSetup, Error> {
     let config = resolved.track();
-    let (settings, frames) = (config.settings()?, source.frames());
+    let (settings, frames) = (resolved.settings()?, source.frames());
     let Begun { checkpoint, said_of_cameras, .. } = begun(source, frames, resolved, &config, &settings, watch)?;
     Ok(MadeSetup { toml: checkpoint.setup_toml, said_of_cameras, warnings: checkpoint.warnings })
 }
@@ -81,7 +81,7 @@ pub fn track<S: FrameSource>(
 ) -> Result<Outcome, Error> {
     let mut clock = Clock::started();
     let config = resolved.track();
-    let settings = config.settings()?;
+    let settings = resolved.settings()?;
     let of_settings = file_hashes(resolved)?;
     let folder = claim.folder().to_owned();
     let Begun { mut source, setup, checkpoint, .. } = match from {

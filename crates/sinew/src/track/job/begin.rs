@@ -8,9 +8,8 @@ use super::level::{levelled, place_at_start};
 use super::watch::{RunPhase, Watch};
 use crate::config::Resolved;
 use crate::config::TrackConfig;
+use crate::config::common::BODY;
 use crate::config::settings::Settings;
-use crate::config::track::DEFAULT_FPS;
-use crate::input::flag::flag;
 use crate::input::source::{FrameSource, InputHashes};
 use crate::input::up_axis::axis_before_turning;
 use crate::input::upright::Upright;
@@ -44,20 +43,17 @@ pub(super) fn begun<'a, S: FrameSource>(
     settings: &Settings,
     watch: &mut Watch<'_>,
 ) -> Result<Begun<'a, S>, Error> {
-    let mut warnings = Vec::new();
-    if config.fps.is_none() {
-        warnings.push(format!("no frame rate given; {DEFAULT_FPS} frames per second assumed ({})", flag("fps")));
-    }
+    let mut warnings = Vec::from_iter(config.assumed_rate());
     let known = known_setup(config)?;
     let known = known.as_deref();
-    if let Some(KnownSetup { setup, .. }) = known.filter(|_| resolved.is_given("body")) {
+    if let Some(KnownSetup { setup, .. }) = known.filter(|_| resolved.is_given(BODY.key)) {
         same_body(&config.body, setup)?;
     }
     let known_setup = known.map(|known| &known.setup);
     let (mut source, up_sd_deg) = levelled(source, &setup_frames, config, known_setup, watch, &mut warnings)?;
     let (setup, setup_toml, said_of_cameras) = match known {
         Some(KnownSetup { setup, toml }) => {
-            same_calibration(&mut source, config.image_scale)?;
+            same_calibration(&mut source, config.recording.image_scale)?;
             let person = if source.shows_one() { 0 } else { setup.person };
             let is_same = person == setup.person;
             let setup = Setup { person, ..setup.clone() };
@@ -167,8 +163,8 @@ fn set_up<S: FrameSource>(
     let request = SetupRequest {
         body,
         person: place_at_start(config, source),
-        image_scale: config.image_scale,
-        lag: config.lag.clone(),
+        image_scale: config.recording.image_scale,
+        lag: config.recording.lag.clone(),
         fps: Some(settings.fps),
         any_size: config.any_size,
         ..SetupRequest::default()

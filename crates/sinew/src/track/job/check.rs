@@ -3,6 +3,7 @@
 use super::begin::{known_setup, same_body};
 use super::level::world_up;
 use crate::config::Resolved;
+use crate::config::common::BODY;
 use crate::track::{check_latent_model, check_model};
 use crate::{Error, bodies};
 
@@ -12,10 +13,10 @@ use crate::{Error, bodies};
 /// What a run would say of them later, and that a file cannot be read.
 pub fn check_settings(resolved: &Resolved) -> Result<(), Error> {
     let config = resolved.track();
-    let settings = config.settings()?;
+    let settings = resolved.settings()?;
     let known = known_setup(&config)?;
     let known = known.as_ref().map(|known| &known.setup);
-    match known.filter(|_| resolved.is_given("body")) {
+    match known.filter(|_| resolved.is_given(BODY.key)) {
         Some(setup) => same_body(&config.body, setup)?,
         None => drop(bodies::to_track(&config.body)?),
     }

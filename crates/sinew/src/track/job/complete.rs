@@ -5,6 +5,7 @@ use super::inputs::{file_hashes, hashes};
 use super::watch::{RunPhase, Watch};
 use crate::Error;
 use crate::config::Resolved;
+use crate::config::common::SETUP;
 use crate::input::source::FrameSource;
 use crate::track::checkpoint::Checkpoint;
 use serde_json::Value;
@@ -58,11 +59,10 @@ pub fn check_complete<S: FrameSource>(
         inputs: end.input_hashes,
         ..Checkpoint::default()
     };
-    let config = resolved.track();
-    let isa = config.settings()?.isa;
+    let isa = resolved.instruction_set()?;
     run.check_settings(&Resolved::numeric_settings_in(&resolved.to_json()), isa.name()).map_err(refused)?;
     let frames = source.frames();
-    let set_up = match config.setup {
+    let set_up = match resolved.of(&SETUP) {
         Some(_) => frames.start..frames.end.min(frames.start + LOOKED_AT),
         None => setup_frames,
     };

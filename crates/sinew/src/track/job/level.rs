@@ -49,8 +49,8 @@ pub(super) fn levelled<'a, S: FrameSource>(
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let request = SetupRequest {
         person: place_at_start(config, &source),
-        image_scale: config.image_scale,
-        lag: config.lag.clone(),
+        image_scale: config.recording.image_scale,
+        lag: config.recording.lag.clone(),
         ..SetupRequest::default()
     };
     let stride = (numbers.end - numbers.start).div_ceil(LOOKED_AT).max(1);

@@ -55,7 +55,7 @@ pub fn track_live<S: Arrivals>(
 ) -> Result<Option<Outcome>, Error> {
     let mut clock = Clock::started();
     let config = resolved.track();
-    let settings = config.settings()?;
+    let settings = resolved.settings()?;
     let of_settings = file_hashes(resolved)?;
     let Begun { mut source, setup, checkpoint, .. } = begun(source, setup_frames, resolved, &config, &settings, watch)?;
     let (tree, cameras) = (setup.tree(), source.cameras().to_vec());
