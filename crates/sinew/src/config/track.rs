@@ -3,6 +3,7 @@
 use super::common::*;
 use super::resolved::Resolved;
 use crate::Error;
+use crate::input::flag::flag;
 use crate::methods::About;
 use sinew_input::footage::{Footage, FootageFiles, Init};
 use sinew_input::recording::RecordingOptions;
