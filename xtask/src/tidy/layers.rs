@@ -5,7 +5,7 @@ use crate::source::{Token, lines_with};
 use std::collections::BTreeSet;
 
 /// What each crate may depend on, of ours, from the lowest up; `*` is all above its row.
-const LAYERS: [(&str, &str); 27] = [
+const LAYERS: [(&str, &str); 28] = [
     ("core", ""),
     ("body", "core"),
     ("observe", "body core"),
