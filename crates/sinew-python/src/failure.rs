@@ -1,6 +1,6 @@
-//! What goes wrong, as Python's exceptions with the words of the program.
+//! What goes wrong, as Python's exceptions.
 //!
-//! The classes stand in `sinew/_errors.py`; the program's exit code chooses one of them. The text has the lines that the program prints: what, `caused by`, `help`.
+//! The classes stand in `sinew/_errors.py`; the program's exit code chooses one of them. The text has the lines that the program prints, with keyword arguments for flags: what, `caused by`, `help`.
 
 use pyo3::prelude::*;
 use std::error::Error;
@@ -49,20 +49,8 @@ impl Failure {
     }
 
     fn exception(&self, py: Python<'_>) -> PyResult<PyErr> {
-        let class = match self.code {
-            2 => "UsageError",
-            3 => "InputError",
-            5 => "FileError",
-            _ => "SinewError",
-        };
-        let mut text = self.what.clone();
-        self.causes.iter().for_each(|cause| text += &format!("\ncaused by: {cause}"));
-        self.help.iter().for_each(|help| text += &format!("\nhelp: {help}"));
-        let class = py.import("sinew._errors")?.getattr(class)?;
-        let exception = class.call1((text,))?;
-        exception.setattr("exit_code", self.code)?;
-        exception.setattr("help", self.help.as_deref())?;
-        Ok(PyErr::from_value(exception))
+        let made = py.import("sinew._errors")?.getattr("error")?;
+        Ok(PyErr::from_value(made.call1((self.code, &self.what, &self.causes, self.help.as_deref()))?))
     }
 }
 
