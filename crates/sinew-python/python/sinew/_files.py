@@ -139,6 +139,8 @@ def _read(
 ) -> Content:
     if path.is_file() and path.suffix.lower() in _PICTURES:
         return _sinew.read_picture(path)
+    if path.is_file() and path.suffix.lower() == ".urdf":
+        return Body(str(path))
     if path.is_file() and path.suffix.lower() == ".amc":
         return _motion(path, skeleton, fps)
     kind = _sinew.kind(path)

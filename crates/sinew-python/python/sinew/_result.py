@@ -42,7 +42,8 @@ class Result:
     @cached_property
     def summary(self) -> dict[str, Any]:
         """`summary.json`: versions, settings with their origin, what became of whom, whether it is complete."""
-        return json.loads((self.path / "summary.json").read_text(encoding="utf-8"))
+        summary: dict[str, Any] = json.loads((self.path / "summary.json").read_text(encoding="utf-8"))
+        return summary
 
     @property
     def complete(self) -> bool:
