@@ -91,9 +91,7 @@ program_errors!(
     sinew_setup::Error,
     sinew_results::Error,
     sinew_motion::Error,
-    sinew_analysis::Error,
-    sinew_report::Error,
-    sinew_batch::Error
+    sinew_report::Error
 );
 
 impl From<sinew::formats::Error> for Failure {
