@@ -92,13 +92,13 @@ impl PyBody {
         let offsets = numbers("offsets", offsets)?;
         offsets.exactly(&[("links", Some(links.len())), ("3", Some(3))])?;
         let offsets = offsets.finite()?.as_chunks::<3>().0;
-        let lines = links.iter().zip(&parents).zip(offsets.iter().zip(&joints));
-        let bone = |((name, parent), (offset, joints))| {
-            let (name, joints): (&String, &String) = (name, joints);
-            let parent: &Option<String> = parent;
-            Bone { name, parent: parent.as_deref().unwrap_or_default(), offset: *offset, joints }
+        let bone = |link: usize| Bone {
+            name: &links[link],
+            parent: parents[link].as_deref().unwrap_or_default(),
+            offset: offsets[link],
+            joints: &joints[link],
         };
-        let tree = skeleton(&lines.map(bone).collect::<Vec<_>>()).map_err(Failure::from)?;
+        let tree = skeleton(&(0..links.len()).map(bone).collect::<Vec<_>>()).map_err(Failure::from)?;
         Self::of_text("body", &body_toml::write(&tree, None))
     }
 
