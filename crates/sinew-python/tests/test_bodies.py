@@ -135,6 +135,7 @@ def test_a_table_of_offsets_is_a_body():
             sinew.Body.from_offsets(**given)
 
 
+@pytest.mark.filterwarnings("ignore::sinew.SinewWarning")
 def test_robots_and_skeletons_are_bodies(tmp_path):
     """A quarter turn about y takes the forearm from below the elbow to behind it; a BVH file's points are its motion's."""
     ends = '<parent link="base"/><child link="arm"/><origin xyz="0 0 1.4"/><axis xyz="0 1 0"/>'

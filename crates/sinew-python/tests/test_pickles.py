@@ -9,6 +9,8 @@ import pytest
 import sinew
 from conftest import BVH
 
+pytestmark = pytest.mark.filterwarnings("ignore::sinew.SinewWarning", "ignore::RuntimeWarning")
+
 PICKLED = [lambda value: pickle.loads(pickle.dumps(value)), copy.deepcopy]
 
 @pytest.mark.parametrize("again", PICKLED, ids=["pickle", "deepcopy"])
