@@ -9,8 +9,7 @@ use pyo3::types::PyDict;
 use sinew::observe::{Camera, Intrinsics, Lens};
 
 /// Name, size of the image, focal lengths, rotation and translation.
-type CameraArguments<'py> =
-    (String, (f64, f64), (f64, f64), Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>);
+type CameraArguments<'py> = (String, (f64, f64), (f64, f64), Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>);
 
 /// A calibrated camera.
 ///

@@ -190,8 +190,7 @@ impl From<Content> for Pickled {
 
 impl From<Pickled> for Content {
     fn from(pickled: Pickled) -> Self {
-        let channel =
-            |(rotates, axis)| if rotates { Channel::Rotation(axis) } else { Channel::Position(axis) };
+        let channel = |(rotates, axis)| if rotates { Channel::Rotation(axis) } else { Channel::Position(axis) };
         let joint = |(name, parent, offset, channels, end_site): PickledJoint| {
             let channels = channels.into_iter().map(channel).collect();
             BvhJoint { name, parent, offset, channels, end_site }
