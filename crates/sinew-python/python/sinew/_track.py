@@ -110,7 +110,7 @@ def track(
         python_warnings.warn(in_python(text), DiagnosticWarning, stacklevel=2)
     result = Result(path)
     result.notes = heard.notes
-    result._kept = kept  # pyright: ignore[reportPrivateUsage]
+    result._kept = kept
     return result
 
 
