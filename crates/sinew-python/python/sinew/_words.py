@@ -18,7 +18,6 @@ _OTHERS = {
     "page": "flag",
     "resume": "flag",
     "skeleton": "path",
-    "unit_m": "number",
     "write_calibration": "path",
 }
 """Keyword arguments that are no settings."""
