@@ -24,7 +24,7 @@ const LAYERS: [(&str, &str); 28] = [
     ("analysis", "sinew motion results setup input core body observe formats dynamics"),
     ("report", "analysis sinew motion results setup input core body observe formats dynamics latent"),
     ("batch", "report sinew results setup input formats"),
-    ("words", "batch report analysis sinew motion results setup input"),
+    ("words", "report analysis sinew motion results setup input"),
     ("cli", "*"),
     ("python", "*"),
     ("invariance", "core"),
