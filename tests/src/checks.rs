@@ -20,6 +20,17 @@ use crate::{
 };
 use sinew_invariance::Report;
 
+/// What a check gives.
+#[derive(Clone, Copy, Debug)]
+pub enum Run {
+    /// Reports, whose statistics have run in stages.
+    Reports(fn(u64, Size) -> Vec<Report>),
+    /// Findings, by the rule of two stages.
+    Findings(fn(u64, Size) -> Vec<Finding>),
+    /// Outcomes as they are.
+    Outcomes(fn(u64, Size) -> Vec<Outcome>),
+}
+
 /// A check of one claim.
 #[derive(Clone, Copy, Debug)]
 pub struct Check {
@@ -27,12 +38,20 @@ pub struct Check {
     pub name: &'static str,
     /// The claim in plain words.
     pub claim: &'static str,
-    /// Runs it; nothing comes back where its data are missing.
-    pub run: fn(u64, Size) -> Vec<Outcome>,
+    /// How it is run.
+    pub run: Run,
 }
 
-fn outcomes(reports: Vec<Report>) -> Vec<Outcome> {
-    reports.into_iter().map(Outcome::from).collect()
+impl Check {
+    /// Runs it with a seed; nothing comes back where its data are missing.
+    #[must_use]
+    pub fn outcomes(&self, seed: u64, size: Size) -> Vec<Outcome> {
+        match self.run {
+            Run::Reports(run) => run(seed, size).into_iter().map(Outcome::from).collect(),
+            Run::Findings(run) => in_two_stages(seed, |seed| run(seed, size)),
+            Run::Outcomes(run) => run(seed, size),
+        }
+    }
 }
 
 /// A finding that holds where a planted fault is seen.
@@ -64,8 +83,49 @@ pub fn faults(seed: u64, size: Size) -> Vec<Outcome> {
     all
 }
 
-fn d2(check: impl Fn(&Series) -> Vec<Finding>) -> Vec<Finding> {
-    Series::stored("lgssm_d2.json").map_or_else(Vec::new, |series| check(&series))
+fn evidence(seed: u64, size: Size) -> Vec<Finding> {
+    let Some(series) = Series::stored("lgssm_d2.json") else { return vec![] };
+    let mut findings = unbiased(&series, 250, size.pick(80, 400), seed);
+    findings.extend(stored_table(&series, size.pick(20, 200), seed));
+    findings.push(error_slope(&series, size.pick(3, 4) as u32, size.pick(12, 40), seed));
+    findings
+}
+
+fn volume_laws(seed: u64, _: Size) -> Vec<Finding> {
+    [volume_law(1000, 4000, seed), gaussian_volume_law(1_000_000, seed)].concat()
+}
+
+fn camera_point(seed: u64, size: Size) -> Vec<Finding> {
+    let point = CameraPoint::stored();
+    point.map_or_else(Vec::new, |point| camera_point_chains(&point, size.pick(2000, 20_000), seed))
+}
+
+fn tempered_evidence(seed: u64, size: Size) -> Vec<Finding> {
+    Arm::stored().map_or_else(Vec::new, |arm| tempered_depth_flip(&arm, 2000, size.pick(3, 40), seed))
+}
+
+fn growth_model(seed: u64, size: Size) -> Vec<Finding> {
+    let (chains, runs) = (size.pick(250, 1000), size.pick(3, 10));
+    Growth::stored().map_or_else(Vec::new, |growth| two_modes(&growth, 5000, chains, runs, seed))
+}
+
+fn partitioned(seed: u64, size: Size) -> Vec<Finding> {
+    let mut findings = particles_needed(seed, size);
+    for importance in [Importance::Product, Importance::Right, Importance::Wrong, Importance::Whole] {
+        for (coupled, frames) in [(true, 1), (true, 4), (false, 4)] {
+            findings.extend(agreement(coupled, importance, frames, size, seed));
+        }
+    }
+    findings
+}
+
+fn annealing(seed: u64, size: Size) -> Vec<Finding> {
+    let mut findings = noise_of_layers(seed);
+    findings.extend(marginals_under_crossover(seed, size));
+    if let Some(arm) = Arm::stored() {
+        findings.extend(collapse_on_the_depth_flip(&arm, size.pick(10, 40), seed));
+    }
+    findings
 }
 
 /// The mixture filter beside ideal draws: file, chains, the stored error of ideal draws, runs.
@@ -95,193 +155,69 @@ fn stored_posteriors(seed: u64, size: Size) -> Vec<Finding> {
         .collect()
 }
 
+use Run::{Findings, Outcomes, Reports};
+
+/// Checks by name, how each is run, and what it stands for.
+macro_rules! checks {
+    ($($name:literal $run:expr, $claim:literal)*) => { &[$(Check { name: $name, claim: $claim, run: $run }),*] };
+}
+
 /// All checks.
-pub const CHECKS: &[Check] = &[
-    Check {
-        name: "hmc-exact-starts",
-        claim: "Hamiltonian Monte Carlo keeps its target, also at cliffs and where a density is NaN",
-        run: |seed, size| outcomes(sampler_invariance::hmc_exact_starts(seed, size)),
-    },
-    Check {
-        name: "nuts-exact-starts",
-        claim: "the no-U-turn sampler keeps its target",
-        run: |seed, size| outcomes(sampler_invariance::nuts_exact_starts(seed, size)),
-    },
-    Check {
-        name: "jumps-exact-starts",
-        claim: "jumps keep their target",
-        run: |seed, size| outcomes(sampler_invariance::jump_exact_starts(seed, size)),
-    },
-    Check {
-        name: "step-size-sweep",
-        claim: "Hamiltonian Monte Carlo keeps its target at any step size, with and without jitter",
-        run: |seed, size| outcomes(sampler_invariance::step_size_sweep(seed, size)),
-    },
-    Check {
-        name: "shapes",
-        claim: "Hamiltonian Monte Carlo keeps the shape of its target, modes included",
-        run: |seed, size| outcomes(sampler_invariance::shapes(seed, size)),
-    },
-    Check {
-        name: "ranks-in-paths",
-        claim: "Hamiltonian updates are in detailed balance",
-        run: |seed, size| outcomes(sampler_invariance::ranks_in_paths(seed, size)),
-    },
-    Check {
-        name: "long-runs",
-        claim: "samplers reach their targets from afar",
-        run: |seed, size| outcomes(sampler_invariance::long_runs(seed, size)),
-    },
-    Check {
-        name: "integrator",
-        claim: "leapfrog is reversible, keeps volume and is of second order",
-        run: |seed, size| outcomes(sampler_invariance::integrator(seed, size)),
-    },
-    Check {
-        name: "joint-distribution",
-        claim: "posteriors of Hamiltonian Monte Carlo belong to the simulator (Geweke)",
-        run: |seed, size| outcomes(joint_distribution::right(seed, size)),
-    },
-    Check {
-        name: "calibration-hmc",
-        claim: "posterior draws of Hamiltonian Monte Carlo are calibrated on the lower body of CF28",
-        run: |seed, size| outcomes(vec![calibrated_samplers::hmc(seed, size).0]),
-    },
-    Check {
-        name: "calibration-tempered",
-        claim: "posterior draws of tempered sequential Monte Carlo are calibrated on the arm",
-        run: |seed, size| outcomes(vec![calibrated_samplers::tempered(seed, size).0]),
-    },
-    Check {
-        name: "calibration-particles",
-        claim: "posterior draws of the particle filter are calibrated on the arm",
-        run: |seed, size| outcomes(vec![calibrated_samplers::particle_filter(seed, size).0]),
-    },
-    Check {
-        name: "resampling",
-        claim: "every resampling scheme is unbiased and keeps the bounds of its counts, for weights of all kinds",
-        run: |seed, size| outcomes(resampling_laws::every_scheme(seed, size)),
-    },
-    Check {
-        name: "filter-calibration",
-        claim: "errors of both filters are as large as their own covariances say",
-        run: |seed, size| in_two_stages(seed, |seed| filter_calibration::normalised_errors(seed, size)),
-    },
-    Check {
-        name: "dense-and-camera",
-        claim: "Hamiltonian Monte Carlo keeps its target with a dense metric, and on a point before two cameras",
-        run: |seed, size| outcomes(sampler_invariance::dense_and_camera_exact_starts(seed, size)),
-    },
-    Check {
-        name: "walls",
-        claim: "no chain stands where there is no density; divergences are counted and change nothing between",
-        run: |seed, size| in_two_stages(seed, |seed| walls::walls(size.pick(250, 1250), size.pick(20, 40), seed)),
-    },
-    Check {
-        name: "frozen-tuning",
-        claim: "a tuned step size accepts the requested share and does not change while draws are kept",
-        run: |seed, size| {
-            in_two_stages(seed, |seed| frozen_tuning::tuned_acceptance(size.pick(500, 2000), seed).into())
-        },
-    },
-    Check { name: "faults", claim: "kernels with planted faults are seen", run: faults },
-    Check {
-        name: "volume-laws",
-        claim: "one frame of particles has the variance and the effective number of the closed forms",
-        run: |seed, _| {
-            in_two_stages(seed, |seed| [volume_law(1000, 4000, seed), gaussian_volume_law(1_000_000, seed)].concat())
-        },
-    },
-    Check {
-        name: "camera-point",
-        claim: "chains have the moments of a point before two cameras, by quadrature",
-        run: |seed, size| {
-            let check = |seed| {
-                let point = CameraPoint::stored();
-                point.map_or_else(Vec::new, |point| camera_point_chains(&point, size.pick(2000, 20_000), seed))
-            };
-            in_two_stages(seed, check)
-        },
-    },
-    Check {
-        name: "tempered-evidence",
-        claim: "tempered Monte Carlo finds eight modes with their masses and the evidence",
-        run: |seed, size| {
-            let check = |seed| {
-                Arm::stored().map_or_else(Vec::new, |arm| tempered_depth_flip(&arm, 2000, size.pick(3, 40), seed))
-            };
-            in_two_stages(seed, check)
-        },
-    },
-    Check {
-        name: "evidence",
-        claim: "the evidence of particles is unbiased under every scheme and threshold; their errors are those stored and fall with the root of their number",
-        run: |seed, size| {
-            let check = |seed| {
-                d2(|series| {
-                    let mut findings = unbiased(series, 250, size.pick(80, 400), seed);
-                    findings.extend(stored_table(series, size.pick(20, 200), seed));
-                    findings.push(error_slope(series, size.pick(3, 4) as u32, size.pick(12, 40), seed));
-                    findings
-                })
-            };
-            in_two_stages(seed, check)
-        },
-    },
-    Check {
-        name: "growth-model",
-        claim: "both modes of the growth model are kept by particles and by chains with the mixture prior",
-        run: |seed, size| {
-            let check = |seed| {
-                let (chains, runs) = (size.pick(250, 1000), size.pick(3, 10));
-                Growth::stored().map_or_else(Vec::new, |growth| two_modes(&growth, 5000, chains, runs, seed))
-            };
-            in_two_stages(seed, check)
-        },
-    },
-    Check {
-        name: "mixture-filter",
-        claim: "hmc with the mixture prior is within 1.3 times the error of ideal draws",
-        run: |seed, size| in_two_stages(seed, |seed| mixture_filter(seed, size)),
-    },
-    Check {
-        name: "posteriordb",
-        claim: "means and standard deviations of five posteriors that others have sampled, from scattered starts",
-        run: |seed, size| in_two_stages(seed, |seed| stored_posteriors(seed, size)),
-    },
-    Check {
-        name: "weighted-resampling",
-        claim: "weighted resampling represents what it did, for any importance function and scheme",
-        run: |seed, size| in_two_stages(seed, |seed| represents_the_same(seed, size)),
-    },
-    Check {
-        name: "partitioned",
-        claim: "the partitioned filter is the joint filter with unbiased evidence, whatever its importance functions; it needs particles for one part at a time",
-        run: |seed, size| {
-            in_two_stages(seed, |seed| {
-                let mut findings = particles_needed(seed, size);
-                for importance in [Importance::Product, Importance::Right, Importance::Wrong, Importance::Whole] {
-                    findings.extend(agreement(true, importance, 1, size, seed));
-                    findings.extend(agreement(true, importance, 4, size, seed));
-                    findings.extend(agreement(false, importance, 4, size, seed));
-                }
-                findings
-            })
-        },
-    },
-    Check {
-        name: "annealing",
-        claim: "layers of annealing diffuse as they say, crossover keeps marginals, and the annealed filter loses modes that a filter keeps",
-        run: |seed, size| {
-            let check = |seed| {
-                let mut findings = noise_of_layers(seed);
-                findings.extend(marginals_under_crossover(seed, size));
-                if let Some(arm) = Arm::stored() {
-                    findings.extend(collapse_on_the_depth_flip(&arm, size.pick(10, 40), seed));
-                }
-                findings
-            };
-            in_two_stages(seed, check)
-        },
-    },
-];
+pub const CHECKS: &[Check] = checks! {
+    "hmc-exact-starts" Reports(sampler_invariance::hmc_exact_starts),
+        "Hamiltonian Monte Carlo keeps its target, also at cliffs and where a density is NaN"
+    "nuts-exact-starts" Reports(sampler_invariance::nuts_exact_starts),
+        "the no-U-turn sampler keeps its target"
+    "jumps-exact-starts" Reports(sampler_invariance::jump_exact_starts),
+        "jumps keep their target"
+    "step-size-sweep" Reports(sampler_invariance::step_size_sweep),
+        "Hamiltonian Monte Carlo keeps its target at any step size, with and without jitter"
+    "shapes" Reports(sampler_invariance::shapes),
+        "Hamiltonian Monte Carlo keeps the shape of its target, modes included"
+    "ranks-in-paths" Reports(sampler_invariance::ranks_in_paths),
+        "Hamiltonian updates are in detailed balance"
+    "long-runs" Reports(sampler_invariance::long_runs),
+        "samplers reach their targets from afar"
+    "integrator" Reports(sampler_invariance::integrator),
+        "leapfrog is reversible, keeps volume and is of second order"
+    "joint-distribution" Reports(joint_distribution::right),
+        "posteriors of Hamiltonian Monte Carlo belong to the simulator (Geweke)"
+    "calibration-hmc" Reports(|seed, size| vec![calibrated_samplers::hmc(seed, size).0]),
+        "posterior draws of Hamiltonian Monte Carlo are calibrated on the lower body of CF28"
+    "calibration-tempered" Reports(|seed, size| vec![calibrated_samplers::tempered(seed, size).0]),
+        "posterior draws of tempered sequential Monte Carlo are calibrated on the arm"
+    "calibration-particles" Reports(|seed, size| vec![calibrated_samplers::particle_filter(seed, size).0]),
+        "posterior draws of the particle filter are calibrated on the arm"
+    "resampling" Reports(resampling_laws::every_scheme),
+        "every resampling scheme is unbiased and keeps the bounds of its counts, for weights of all kinds"
+    "filter-calibration" Findings(filter_calibration::normalised_errors),
+        "errors of both filters are as large as their own covariances say"
+    "dense-and-camera" Reports(sampler_invariance::dense_and_camera_exact_starts),
+        "Hamiltonian Monte Carlo keeps its target with a dense metric, and on a point before two cameras"
+    "walls" Findings(|seed, size| walls::walls(size.pick(250, 1250), size.pick(20, 40), seed)),
+        "no chain stands where there is no density; divergences are counted and change nothing between"
+    "frozen-tuning" Findings(|seed, size| frozen_tuning::tuned_acceptance(size.pick(500, 2000), seed).into()),
+        "a tuned step size accepts the requested share and does not change while draws are kept"
+    "faults" Outcomes(faults),
+        "kernels with planted faults are seen"
+    "volume-laws" Findings(volume_laws),
+        "one frame of particles has the variance and the effective number of the closed forms"
+    "camera-point" Findings(camera_point),
+        "chains have the moments of a point before two cameras, by quadrature"
+    "tempered-evidence" Findings(tempered_evidence),
+        "tempered Monte Carlo finds eight modes with their masses and the evidence"
+    "evidence" Findings(evidence),
+        "the evidence of particles is unbiased under every scheme and threshold; their errors are those stored and fall with the root of their number"
+    "growth-model" Findings(growth_model),
+        "both modes of the growth model are kept by particles and by chains with the mixture prior"
+    "mixture-filter" Findings(mixture_filter),
+        "hmc with the mixture prior is within 1.3 times the error of ideal draws"
+    "posteriordb" Findings(stored_posteriors),
+        "means and standard deviations of five posteriors that others have sampled, from scattered starts"
+    "weighted-resampling" Findings(represents_the_same),
+        "weighted resampling represents what it did, for any importance function and scheme"
+    "partitioned" Findings(partitioned),
+        "the partitioned filter is the joint filter with unbiased evidence, whatever its importance functions; it needs particles for one part at a time"
+    "annealing" Findings(annealing),
+        "layers of annealing diffuse as they say, crossover keeps marginals, and the annealed filter loses modes that a filter keeps"
+};

@@ -2,14 +2,14 @@
 //! own draws add. With the filter's own P it is larger by a few per cent, since a covariance of few draws has too large an inverse: that number is shown, not judged.
 
 use crate::finding::{Finding, mean_and_error};
-use crate::linear_series::{Series, Sight, dot};
+use crate::linear_series::{Series, Sight, chains_on_series, dot};
 use crate::size::Size;
 use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;
 use sinew::dynamics::factor::{cholesky, inverse_lower};
 use sinew::tracking::Tracker;
 use sinew::tracking::bootstrap::{self, Bootstrap};
-use sinew::tracking::hmc_filter::{self, HmcFilter};
+use sinew::tracking::hmc_filter::HmcFilter;
 
 /// Mean of eᵀ P⁻¹ e over the frames of one series: with the exact covariance, and with the filter's own.
 fn normalised_error(series: &Series, tracker: &mut impl Tracker<Sight>, stage: &Stage) -> [f64; 2] {
@@ -56,16 +56,8 @@ pub fn normalised_errors(seed: u64, size: Size) -> Vec<Finding> {
         }
     };
     let chains = |series: &Series, stage: &Stage| {
-        let config = hmc_filter::Config {
-            chains: 16,
-            updates: 120,
-            burn_in: 20,
-            step_size: 0.5,
-            leapfrog_steps: 8,
-            jitter: 0.2,
-            ..hmc_filter::Config::default()
-        };
-        let mut filter = HmcFilter::new(config, series.model(), series.m0.clone(), Isa::best()).expect("valid");
+        let mut filter =
+            HmcFilter::new(chains_on_series(), series.model(), series.m0.clone(), Isa::best()).expect("valid");
         normalised_error(series, &mut filter, stage)
     };
     vec![

@@ -14,6 +14,7 @@ use sinew::dynamics::kalman::{Filtered, Form, Kalman, Model};
 use sinew::dynamics::linear_gaussian::LinearGaussian;
 use sinew::dynamics::mixture::Mixture;
 use sinew::dynamics::prior::Prior;
+use sinew::tracking::hmc_filter;
 
 /// Rows of a matrix.
 pub type Rows = Vec<Vec<f64>>;
@@ -284,6 +285,13 @@ fn transposed(m: &[f64], d: usize) -> Vec<f64> {
 #[must_use]
 pub fn product(a: &[f64], b: &[f64], d: usize) -> Vec<f64> {
     (0..d * d).map(|e| (0..d).map(|k| a[e / d * d + k] * b[k * d + e % d]).sum()).collect()
+}
+
+/// Chains that mix on short series.
+#[must_use]
+pub fn chains_on_series() -> hmc_filter::Config {
+    let usual = hmc_filter::Config { chains: 16, updates: 120, burn_in: 20, ..hmc_filter::Config::default() };
+    hmc_filter::Config { step_size: 0.5, leapfrog_steps: 8, jitter: 0.2, ..usual }
 }
 
 /// Roots of the diagonal of the covariance.

@@ -5,8 +5,9 @@
 mod effort;
 mod virtual_cameras;
 
-use crate::support::outcome::{Outcome, exit_code};
+use crate::support::outcome::Outcome;
 use crate::support::statistics::{median, quantile};
+use crate::support::table::{header, row};
 use sinew::config::settings::Settings;
 use sinew::formats::trc;
 use sinew::input::recording::{Recording, RecordingOptions};
@@ -16,7 +17,6 @@ use sinew::observe::association::Person;
 use sinew_body::points::Trajectories;
 use sinew_tests::evaluation::{self, LIMB_JOINTS, LeftOut, PixelErrors, Run, Track};
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use virtual_cameras::{motions, recorded_motion};
 
 /// Frames for set-up and all choices, and frames that judge.
@@ -52,32 +52,29 @@ pub struct Args {
 }
 
 /// Runs the experiments.
-pub fn run(root: &Path, args: &Args) -> ExitCode {
+pub fn run(root: &Path, args: &Args) -> Outcome<()> {
     let data = std::env::var_os("SINEW_DATA").map_or_else(|| root.join("../shared/data"), PathBuf::from);
     if !data.is_dir() {
         println!("skipped: no data");
-        return ExitCode::SUCCESS;
+        return Ok(());
     }
     let wanted = |part| args.only.is_empty() || args.only.contains(&part);
-    let all = || -> Outcome<()> {
-        if wanted(Part::Reference) {
-            reference(&data)?;
-        }
-        if wanted(Part::LeaveOut) {
-            leave_out(&data)?;
-        }
-        if wanted(Part::Noise) {
-            noise(&data)?;
-        }
-        if wanted(Part::Cmu) {
-            recorded_motion(&motions(&data)?, args.seeds)?;
-        }
-        if args.only.contains(&Part::Effort) {
-            effort::run(&motions(&data)?, args.seeds, &root.join("docs/evidence/images/effort.svg"))?;
-        }
-        Ok(())
-    };
-    exit_code(all())
+    if wanted(Part::Reference) {
+        reference(&data)?;
+    }
+    if wanted(Part::LeaveOut) {
+        leave_out(&data)?;
+    }
+    if wanted(Part::Noise) {
+        noise(&data)?;
+    }
+    if wanted(Part::Cmu) {
+        recorded_motion(&motions(&data)?, args.seeds)?;
+    }
+    if args.only.contains(&Part::Effort) {
+        effort::run(&motions(&data)?, args.seeds, &root.join("docs/evidence/images/effort.svg"))?;
+    }
+    Ok(())
 }
 
 fn open(data: &Path, folder: &str, cameras: Option<Vec<String>>) -> Outcome<Recording> {
@@ -95,7 +92,7 @@ fn track(recording: &mut Recording, settings: &Settings) -> Outcome<Run> {
 }
 
 /// The filtered reference of the real recording.
-fn butterworth(data: &Path) -> Outcome<Track> {
+pub(crate) fn butterworth(data: &Path) -> Outcome<Track> {
     let name = "S00_P00_T01_BalancingTrial_0-100_filt_butterworth.trc";
     let path = data.join("pose2sim_single/T01_BalancingTrial/pose-3d").join(name);
     let file = trc::read(name, &std::fs::read_to_string(path)?)?;
@@ -105,10 +102,9 @@ fn butterworth(data: &Path) -> Outcome<Track> {
 
 fn reference(data: &Path) -> Outcome<()> {
     let reference = butterworth(data)?;
-    println!(
-        "\n| folder | method | frames 0–59, mm | frames 60–99, mm | mean spread, mm | split R-hat, median / 95 % |"
-    );
-    println!("|---|---|---|---|---|---|");
+    let columns =
+        "| folder | method | frames 0–59, mm | frames 60–99, mm | mean spread, mm | split R-hat, median / 95 % |";
+    print!("\n{}", header(columns));
     for folder in ["pose", "pose-associated"] {
         for about in [&hmc::ABOUT, &bootstrap::ABOUT] {
             let mut recording = open(data, folder, None)?;
@@ -195,8 +191,8 @@ fn leave_out(data: &Path) -> Outcome<()> {
         let mean = |all: &[[f64; 3]], i: usize| all.iter().map(|x| x[i]).sum::<f64>() / all.len() as f64;
         growth.push((size, [0, 1].map(|m: usize| [0, 1, 2].map(|i| mean(&errors[m], i)))));
     }
-    println!("\n| cameras | method | error, mm | mean spread, mm | reference inside the 90 % intervals, % |");
-    println!("|---|---|---|---|---|");
+    let columns = "| cameras | method | error, mm | mean spread, mm | reference inside the 90 % intervals, % |";
+    print!("\n{}", header(columns));
     for (size, methods) in growth {
         for (name, [error, spread, share]) in ["hmc", "hmc --smooth"].into_iter().zip(methods) {
             println!("| {size} | {name} | {error:.1} | {spread:.1} | {share:.0} |");
@@ -207,9 +203,8 @@ fn leave_out(data: &Path) -> Outcome<()> {
 
 fn print_pixels(size: u32, cameras: usize, pixels: &[Vec<(usize, PixelErrors)>]) {
     println!("\nTracked with {size} cameras; median / 90th percentile, px, in each camera that was left out:\n");
-    print!("| contender |");
-    (0..cameras).for_each(|c| print!(" cam {} |", c + 1));
-    println!(" mean |\n|---|{}---|", "---|".repeat(cameras));
+    let each = (0..cameras).map(|c| format!("cam {}", c + 1)).collect::<Vec<_>>().join(" | ");
+    let mut table = header(&format!("| contender | {each} | mean |"));
     for (name, found) in CONTENDERS.iter().zip(pixels) {
         let mean = |of: &[&PixelErrors]| {
             let n = of.len() as f64;
@@ -217,12 +212,11 @@ fn print_pixels(size: u32, cameras: usize, pixels: &[Vec<(usize, PixelErrors)>])
                 .map(|value| of.iter().map(|e| value(e)).sum::<f64>() / n);
             format!("{median:.1} / {p90:.1}")
         };
-        print!("| {name} |");
-        for camera in 0..cameras {
-            print!(" {} |", mean(&found.iter().filter(|(c, _)| *c == camera).map(|(_, e)| e).collect::<Vec<_>>()));
-        }
-        println!(" {} |", mean(&found.iter().map(|(_, e)| e).collect::<Vec<_>>()));
+        let own = |camera| mean(&found.iter().filter(|(c, _)| *c == camera).map(|(_, e)| e).collect::<Vec<_>>());
+        let (each, all) = ((0..cameras).map(own).collect::<Vec<_>>(), found.iter().map(|(_, e)| e).collect::<Vec<_>>());
+        row!(table, "{name} | {} | {}", each.join(" | "), mean(&all));
     }
+    print!("{table}");
 }
 
 fn noise(data: &Path) -> Outcome<()> {
@@ -230,8 +224,7 @@ fn noise(data: &Path) -> Outcome<()> {
     let whole = open(data, "pose-associated", None)?;
     let (cameras, layout) = (whole.cameras().to_vec(), whole.layout().clone());
     println!("\nLeave one camera out, frames 0–59 only; median / 90th percentile, px, mean over cameras:\n");
-    println!("| density | hmc | hmc --smooth | split R-hat, median / 95 %, each run |");
-    println!("|---|---|---|---|");
+    print!("{}", header("| density | hmc | hmc --smooth | split R-hat, median / 95 %, each run |"));
     let choices = [
         ("outlier floor 0.02", Noise::OutlierFloor { outlier: 0.02 }),
         ("Student-t, 4 degrees", Noise::StudentT { degrees: 4.0 }),

@@ -7,10 +7,11 @@ mod groups;
 mod keypoint_tables;
 mod queue;
 
-use crate::support::outcome::{Outcome, exit_code};
+use crate::support::outcome::Outcome;
 use crate::support::program::{Program, shown};
 use crate::support::statistics::verdict;
 use crate::support::study_options::ProgramOptions;
+use crate::support::table::header;
 use keypoint_tables::write_keypoints;
 use serde_json::Value;
 use sinew::core::random::Stage;
@@ -19,7 +20,7 @@ use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_simulate::ring::Ring;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitCode};
+use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 
 /// Overhead of a trial at most, milliseconds.
@@ -54,11 +55,7 @@ pub struct Args {
 }
 
 /// Runs the command.
-pub fn run(root: &Path, args: &Args) -> ExitCode {
-    exit_code(measured(root, args))
-}
-
-fn measured(root: &Path, args: &Args) -> Outcome<()> {
+pub fn run(root: &Path, args: &Args) -> Outcome<()> {
     if let Some([computing_s, overhead_s]) = args.queue.as_deref() {
         print!("{}", queue::table(*computing_s, *overhead_s));
         return Ok(());
@@ -78,10 +75,12 @@ fn measured(root: &Path, args: &Args) -> Outcome<()> {
         fs::remove_dir_all(&trials)?;
     }
     (0..SUBJECTS).try_for_each(|subject| write_subject(&trials, subject, args.trials / SUBJECTS))?;
-    println!(
-        "| results | trials | computing a trial, ms | overhead a trial, ms | memory at a tenth, MB | at the end | plan, s | gather, s | in all, s | verdict |"
+    print!(
+        "{}",
+        header(
+            "| results | trials | computing a trial, ms | overhead a trial, ms | memory at a tenth, MB | at the end | plan, s | gather, s | in all, s | verdict |"
+        )
     );
-    println!("|---|---|---|---|---|---|---|---|---|---|");
     for (name, flags) in [("packed", &["--pack"][..]), ("folders", &[][..])] {
         let row = study(&program, &trials, &folder.join(name), name, flags)?;
         println!("{row}");

@@ -3,13 +3,13 @@
 //! It runs the steps of `checksums.txt`, and holds every file that they write, and every answer, against `tests/checksums.tsv`. A rebuilding changes none of them, but for what it names.
 //! Sums are of one instruction set (AVX2) and of one operating system: libraries of C differ in last digits.
 
-use crate::support::outcome::{Outcome, exit_code};
+use crate::support::outcome::Outcome;
 use crate::support::program::{Program, shown};
 use crate::support::study_options::ProgramOptions;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::Command;
 
 /// Holds results at fixed seeds against stored checksums.
 #[derive(clap::Args)]
@@ -128,7 +128,7 @@ fn found(program: &Program, data: &Path, only: Option<&str>) -> Outcome<BTreeMap
     Ok(sums)
 }
 
-fn compare(root: &Path, args: &Args) -> Outcome<()> {
+pub(crate) fn run(root: &Path, args: &Args) -> Outcome<()> {
     fs::remove_dir_all(args.options.folder(root, "checksums")?)?;
     let data = fs::canonicalize(args.options.data(root))?;
     let Program { path, folder } = args.options.program(root, "checksums")?;
@@ -154,11 +154,6 @@ fn compare(root: &Path, args: &Args) -> Outcome<()> {
     println!("{} of {} as stored", sums.len() - changed.iter().filter(|c| !c.starts_with("gone")).count(), sums.len());
     changed.iter().for_each(|line| println!("{line}"));
     if changed.is_empty() { Ok(()) } else { Err(format!("{} checksums differ", changed.len()).into()) }
-}
-
-/// Runs the command.
-pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
-    exit_code(compare(root, args))
 }
 
 #[cfg(test)]

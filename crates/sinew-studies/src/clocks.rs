@@ -8,15 +8,14 @@ mod measures;
 mod recorded;
 mod shifted;
 
-use crate::support::outcome::{Outcome, exit_code};
+use crate::support::outcome::Outcome;
 use crate::support::program::Program;
 use crate::support::statistics::rms;
 use crate::support::study_options::ProgramOptions;
+use crate::support::table::{header, row};
 use measures::inside;
 use recorded::{Clocks, Walk};
-use std::fmt::Write as _;
 use std::path::Path;
-use std::process::ExitCode;
 
 /// What to run.
 #[derive(clap::Args)]
@@ -46,9 +45,8 @@ const DRIFT_PPM: f64 = 100.0;
 
 /// One camera late by a lag, and all cameras late by random lags.
 fn lags(program: &Program, args: &Args) -> Outcome<String> {
-    let mut text = String::from(
-        "| frames a second | late | error, root mean square, frames | largest | inside 90 % intervals, % |\n|---|---|---|---|---|\n",
-    );
+    let mut text =
+        header("| frames a second | late | error, root mean square, frames | largest | inside 90 % intervals, % |");
     for fps in RATES {
         for late in LAGS.map(Some).into_iter().chain([None]) {
             let (mut errors, mut standardised) = (vec![], vec![]);
@@ -63,12 +61,7 @@ fn lags(program: &Program, args: &Args) -> Outcome<String> {
             }
             let largest = errors.iter().fold(0.0_f64, |most, error| most.max(error.abs()));
             let late = late.map_or("all, by up to half a frame".into(), |lag| format!("one, by {lag}"));
-            let _ = writeln!(
-                text,
-                "| {fps} | {late} | {:.3} | {largest:.2} | {:.0} |",
-                rms(&errors),
-                inside(&standardised)
-            );
+            row!(text, "{fps} | {late} | {:.3} | {largest:.2} | {:.0}", rms(&errors), inside(&standardised));
         }
     }
     Ok(text)
@@ -76,8 +69,8 @@ fn lags(program: &Program, args: &Args) -> Outcome<String> {
 
 /// One camera's clock runs slow.
 fn drifts(program: &Program, args: &Args) -> Outcome<String> {
-    let mut text = String::from(
-        "| frames a second | seconds | drift is found, of | error, ppm | its standard deviation, ppm | lag at the ends, error, frames |\n|---|---|---|---|---|---|\n",
+    let mut text = header(
+        "| frames a second | seconds | drift is found, of | error, ppm | its standard deviation, ppm | lag at the ends, error, frames |",
     );
     for fps in RATES {
         for seconds in DRIFT_S {
@@ -93,9 +86,9 @@ fn drifts(program: &Program, args: &Args) -> Outcome<String> {
                 ends.extend(found::end_errors(&found, &clocks, seconds * fps));
             }
             let shown = |values: &[f64]| if values.is_empty() { "–".into() } else { format!("{:.0}", rms(values)) };
-            let _ = writeln!(
+            row!(
                 text,
-                "| {fps} | {seconds} | {seen} of {} | {} | {} | {:.3} |",
+                "{fps} | {seconds} | {seen} of {} | {} | {} | {:.3}",
                 args.seeds,
                 shown(&errors),
                 shown(&sds),
@@ -106,7 +99,8 @@ fn drifts(program: &Program, args: &Args) -> Outcome<String> {
     Ok(text)
 }
 
-fn all(root: &Path, args: &Args) -> Outcome<()> {
+/// Runs the command.
+pub fn run(root: &Path, args: &Args) -> Outcome<()> {
     let program = args.options.program(root, "sync")?;
     let folder = program.folder.clone();
     type Part = fn(&Program, &Args) -> Outcome<String>;
@@ -124,9 +118,4 @@ fn all(root: &Path, args: &Args) -> Outcome<()> {
         std::fs::write(folder.join(format!("{name}.md")), text)?;
     }
     Ok(())
-}
-
-/// Runs the command.
-pub fn run(root: &Path, args: &Args) -> ExitCode {
-    exit_code(all(root, args))
 }

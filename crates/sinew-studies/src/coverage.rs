@@ -19,7 +19,7 @@ mod people;
 mod scene;
 mod tables;
 
-use crate::support::outcome::{Outcome, exit_code};
+use crate::support::outcome::Outcome;
 use crate::support::store::{Store, Task, run_all};
 use crate::support::study_options::StudyOptions;
 use found::Found;
@@ -31,7 +31,6 @@ use sinew::core::lanes::Isa;
 use sinew_tests::evaluation::ranks::LEVELS;
 use std::ops::Range;
 use std::path::Path;
-use std::process::ExitCode;
 use std::time::Instant;
 
 /// Measures how often intervals hold the truth of simulated people.
@@ -46,8 +45,6 @@ pub struct Args {
     /// Only the ranks of each degree of freedom on the model's own motion, from this number of series
     #[arg(long, value_name = "SERIES")]
     coordinates: Option<usize>,
-    #[command(flatten)]
-    chains: coordinates::Chains,
     /// Only scenes whose key holds this text, such as `exchanged`; tables show what has been run so far
     #[arg(long, value_name = "TEXT")]
     only: Option<String>,
@@ -277,8 +274,6 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let recordings = recordings.found(&store);
     let text = tables::markdown(&series, &recordings, &RANKED);
     std::fs::write(folder.join("tables.md"), &text)?;
-    std::fs::write(folder.join("coverage.csv"), tables::csv(&series))?;
-    std::fs::write(folder.join("ranks.csv"), tables::ranks_csv(&series))?;
     if args.only.is_none() {
         let pictures = if args.quick { folder.clone() } else { root.join("docs/evidence/images") };
         figures::draw(&series, &RANKED, &pictures)?;
@@ -297,11 +292,10 @@ fn main_scene(root: &Path, seed: u64) -> Outcome<()> {
 }
 
 /// Runs the command.
-pub fn run(root: &Path, args: &Args) -> ExitCode {
-    let done = match args.coordinates {
-        Some(count) => coordinates::measure(count, args.chains, args.seed).map(|table| print!("{table}")),
+pub fn run(root: &Path, args: &Args) -> Outcome<()> {
+    match args.coordinates {
+        Some(count) => coordinates::measure(count, args.seed).map(|table| print!("{table}")),
         None if args.main => main_scene(root, args.seed),
         None => measure(root, args),
-    };
-    exit_code(done)
+    }
 }

@@ -6,15 +6,14 @@ mod recorded_walks;
 mod truth;
 mod walkers;
 
-use crate::support::outcome::{Outcome, exit_code};
+use crate::support::outcome::Outcome;
 use crate::support::statistics::{mean, rms, with_error};
 use crate::support::store::{Store, Task, numbers, rows, run_all};
 use crate::support::study_options::{ProgramOptions, threads};
+use crate::support::table::{header, row};
 use serde_json::Value;
-use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
-use std::process::ExitCode;
 
 /// Measures gait on simulated walkers.
 #[derive(clap::Args)]
@@ -83,6 +82,11 @@ fn inside(seeds: &[Vec<Vec<f64>>]) -> Vec<f64> {
     seeds.iter().filter(|all| !all.is_empty()).map(share).collect()
 }
 
+/// Mean error of each seed, over the seeds.
+fn bias(seeds: &[Vec<Vec<f64>>], factor: f64) -> String {
+    with_error(&seeds.iter().map(|all| mean(all.iter().map(|x| factor * x[0]))).collect::<Vec<f64>>(), 1)
+}
+
 fn column(seeds: &[Vec<Vec<f64>>], value: impl Fn(&Vec<f64>) -> f64) -> Vec<f64> {
     seeds.iter().flatten().map(value).collect()
 }
@@ -100,24 +104,21 @@ fn recorded_key(rate_hz: f64, walk: &str) -> String {
 
 /// Rows of events for groups of cells, whose first columns are of the given names.
 fn event_table(names: &str, groups: &[(String, Vec<&Value>)]) -> String {
-    let mut text = format!(
-        "| {names} | event | found | missed | extra | mean error, ms | root mean square, ms | half-width, ms | inside 90 %, % | contact less extremum, ms |\n|{}---|---|---|---|---|---|---|---|---|\n",
-        "---|".repeat(names.split('|').count())
-    );
+    let mut text = header(&format!(
+        "| {names} | event | found | missed | extra | mean error, ms | root mean square, ms | half-width, ms | inside 90 %, % | contact less extremum, ms |"
+    ));
     for (group, cells) in groups {
         for (key, words) in [("heel_strike", "heel strike"), ("toe_off", "toe off")] {
             let seeds: Vec<Vec<Vec<f64>>> = cells.iter().map(|cell| rows(&cell["events"][key])).collect();
             let count = |what: &str| cells.iter().filter_map(|cell| cell["events"][what].as_u64()).sum::<u64>();
             let errors = column(&seeds, |x| 1e3 * x[0]);
-            let bias: Vec<f64> =
-                seeds.iter().map(|all| mean(all.iter().map(|x| 1e3 * x[0]).collect::<Vec<_>>())).collect();
-            let _ = writeln!(
+            row!(
                 text,
-                "| {group} | {words} | {} | {} | {} | {} | {:.1} | {:.1} | {} | {:.0} |",
+                "{group} | {words} | {} | {} | {} | {} | {:.1} | {:.1} | {} | {:.0}",
                 errors.len(),
                 count("missed"),
                 count("extra"),
-                with_error(&bias, 1),
+                bias(&seeds, 1e3),
                 rms(&errors),
                 mean(column(&seeds, |x| 500.0 * (x[2] - x[1]))),
                 with_error(&inside(&seeds), 1),
@@ -130,8 +131,8 @@ fn event_table(names: &str, groups: &[(String, Vec<&Value>)]) -> String {
 
 /// Rows of parameters for ways of one kind of results.
 fn parameter_table(cells: &[&(&Way, Vec<&Value>)]) -> String {
-    let mut text = String::from(
-        "| frames a second | persistence | parameter | mean error | root mean square, a stride | half-width | inside 90 %, a stride, % | root mean square, mean of a walk | inside 90 %, mean of a walk, % |\n|---|---|---|---|---|---|---|---|---|\n",
+    let mut text = header(
+        "| frames a second | persistence | parameter | mean error | root mean square, a stride | half-width | inside 90 %, a stride, % | root mean square, mean of a walk | inside 90 %, mean of a walk, % |",
     );
     for (way, cells) in cells {
         for (key, words, factor) in SHOWN {
@@ -139,14 +140,12 @@ fn parameter_table(cells: &[&(&Way, Vec<&Value>)]) -> String {
                 cells.iter().map(|cell| rows(&cell["parameters"]["strides"][key])).collect();
             let means: Vec<Vec<Vec<f64>>> =
                 cells.iter().map(|cell| vec![numbers(&cell["parameters"]["means"][key])]).collect();
-            let bias: Vec<f64> =
-                seeds.iter().map(|all| mean(all.iter().map(|x| factor * x[0]).collect::<Vec<_>>())).collect();
-            let _ = writeln!(
+            row!(
                 text,
-                "| {} | {} | {words} | {} | {:.1} | {:.1} | {} | {:.1} | {} |",
+                "{} | {} | {words} | {} | {:.1} | {:.1} | {} | {:.1} | {}",
                 way.rate_hz,
                 way.persistence,
-                with_error(&bias, 1),
+                bias(&seeds, factor),
                 rms(&column(&seeds, |x| factor * x[0])),
                 mean(column(&seeds, |x| 0.5 * factor * (x[2] - x[1]))),
                 with_error(&inside(&seeds), 1),
@@ -176,7 +175,8 @@ fn tables(store: &Store, seeds: Range<u64>) -> String {
         .join("\n")
 }
 
-fn measure(root: &Path, args: &Args) -> Outcome<()> {
+/// Runs the command.
+pub(crate) fn run(root: &Path, args: &Args) -> Outcome<()> {
     let program = args.options.program(root, "gait")?;
     let folder = program.folder.clone();
     let data = args.options.data(root);
@@ -201,9 +201,4 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let text = tables(&store, seeds);
     println!("{text}");
     Ok(std::fs::write(folder.join("tables.md"), text)?)
-}
-
-/// Runs the command.
-pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
-    exit_code(measure(root, args))
 }

@@ -2,12 +2,10 @@
 //!
 //! The measurement is a function of the test member (`sinew_tests::identifiability`).
 
-use crate::support::outcome::{Outcome, exit_code};
-use serde_json::{Value, json};
+use crate::support::outcome::Outcome;
+use crate::support::table::{header, row};
 use sinew_tests::identifiability::{Pair, Scene, pairs};
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// What to run.
 #[derive(clap::Args)]
@@ -35,41 +33,31 @@ const SCENES: [(&str, Scene); 4] = [
 ];
 
 /// Runs the command.
-pub fn run(root: &Path, args: &Args) -> ExitCode {
+pub fn run(root: &Path, args: &Args) -> Outcome<()> {
     let out = args.out.clone().unwrap_or_else(|| root.join("target/identifiability"));
-    exit_code(all(&out, args))
-}
-
-fn all(out: &Path, args: &Args) -> Outcome<()> {
-    std::fs::create_dir_all(out)?;
-    let (mut tables, mut record) = (String::new(), json!({}));
+    std::fs::create_dir_all(&out)?;
+    let mut tables = String::new();
     for (name, scene) in SCENES {
         let seeds = FIRST..FIRST + args.seeds;
         let found = seeds.map(|seed| pairs(scene, seed)).collect::<Outcome<Vec<Vec<Pair>>>>()?;
         let table = table(name, &found)?;
         println!("{table}");
         tables += &table;
-        record[name] = found.iter().map(|pairs| pairs.iter().map(as_json).collect::<Value>()).collect();
     }
     std::fs::write(out.join("tables.md"), tables)?;
-    std::fs::write(out.join("identifiability.json"), serde_json::to_string_pretty(&record)?)?;
     Ok(())
-}
-
-fn as_json(pair: &Pair) -> Value {
-    json!({ "pair": pair.name, "left": pair.left, "correlation": pair.correlation })
 }
 
 /// A scene's table; `found` are the pairs of each seed.
 fn table(name: &str, found: &[Vec<Pair>]) -> Outcome<String> {
-    let mut text = format!("## {name}\n\n| pair | first | second | sum | correlation |\n|---|---|---|---|---|\n");
+    let mut text = format!("## {name}\n\n") + &header("| pair | first | second | sum | correlation |");
     for (index, pair) in found.first().into_iter().flatten().enumerate() {
         let of = |what: &dyn Fn(&Pair) -> f64| shown(found.iter().filter_map(|pairs| pairs.get(index)).map(what));
         let left = [0, 1, 2].map(|k: usize| of(&|pair| pair.left[k]));
         let correlation = of(&|pair| pair.correlation);
         // Where there is no second, the sum is the first.
         let sum = if left[1].is_empty() { "" } else { &left[2] };
-        writeln!(text, "| {} | {} | {} | {sum} | {correlation} |", pair.name, left[0], left[1])?;
+        row!(text, "{} | {} | {} | {sum} | {correlation}", pair.name, left[0], left[1]);
     }
     Ok(text + "\n")
 }

@@ -41,15 +41,15 @@ mod triangulation;
 
 pub(crate) use angles::true_angles;
 
-use crate::support::outcome::{Outcome, exit_code};
+use crate::support::outcome::Outcome;
 use crate::support::program::Program;
 use crate::support::store::{Store, Task, run_all};
 use crate::support::study_options::{ProgramOptions, threads};
 use clap::ValueEnum;
 use protocol::{FIRST_ANGLES, FIRST_DERIVED, FIRST_RIG, FIRST_RUN, FIRST_SEED, Recording, tuned_on};
+use serde_json::Value;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// Parts of the study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -176,42 +176,34 @@ fn real<'a>(args: &Args, program: &'a Program, recording: &'a Recording, seed: u
     }
     if args.has(Part::Triangulation) {
         let task = move || triangulation::cell(program, recording, seed);
-        tasks.push((triangulation::name(seed), 4.0, Box::new(task)));
+        tasks.push((format!("{}/{seed}", triangulation::CELLS), 4.0, Box::new(task)));
     }
     if args.has(Part::Straight) {
         let task = move || straight::recording_cell(program, recording, seed);
-        tasks.push((straight::recording_name(seed), 40.0, Box::new(task)));
+        tasks.push((format!("{}/{seed}", straight::RECORDINGS), 40.0, Box::new(task)));
     }
     tasks
 }
 
 /// Cells of simulations.
 fn simulated<'a>(args: &Args, program: &'a Program) -> Vec<Task<'a>> {
+    type Cell = fn(&Program, u64) -> Outcome<Value>;
+    let all_rigs = args.rigs().start..args.other_rigs().end;
+    let kinds: [(Part, &str, Range<u64>, f64, Cell); 8] = [
+        (Part::Rigs, rigs::CELLS, all_rigs, 3.0, rigs::cell),
+        (Part::AtJoints, rigs::CELLS_AT_JOINTS, args.fewer_rigs(), 3.0, rigs::cell_at_joints),
+        (Part::RigPairs, rigs::two_cameras::CELLS, args.rigs(), 3.0, rigs::two_cameras::cell),
+        (Part::Straight, straight::RIGS, args.fewer_rigs(), 20.0, straight::rig_cell),
+        (Part::Derived, derived::CELLS, args.derived(), 7.0, derived::cell),
+        (Part::Angles, angles::CELLS, args.angles(), 5.0, angles::cell),
+        (Part::Standing, standing::CELLS, args.angles(), 8.0, standing::cell),
+        (Part::Demos, demos::CELLS, args.demos(), 2.0, demos::cell),
+    ];
     let mut tasks: Vec<Task<'a>> = vec![];
-    for seed in args.rigs().chain(args.other_rigs()).filter(|_| args.has(Part::Rigs)) {
-        tasks.push((rigs::name(seed), 3.0, Box::new(move || rigs::cell(program, seed))));
-    }
-    for seed in args.fewer_rigs().filter(|_| args.has(Part::AtJoints)) {
-        tasks.push((rigs::name_at_joints(seed), 3.0, Box::new(move || rigs::cell_at_joints(program, seed))));
-    }
-    for seed in args.rigs().filter(|_| args.has(Part::RigPairs)) {
-        let task = move || rigs::two_cameras::cell(program, seed);
-        tasks.push((rigs::two_cameras::name(seed), 3.0, Box::new(task)));
-    }
-    for seed in args.fewer_rigs().filter(|_| args.has(Part::Straight)) {
-        tasks.push((straight::rig_name(seed), 20.0, Box::new(move || straight::rig_cell(program, seed))));
-    }
-    for seed in args.derived().filter(|_| args.has(Part::Derived)) {
-        tasks.push((format!("derived/{seed}"), 7.0, Box::new(move || derived::cell(program, seed))));
-    }
-    for seed in args.angles().filter(|_| args.has(Part::Angles)) {
-        tasks.push((angles::name(seed), 5.0, Box::new(move || angles::cell(program, seed))));
-    }
-    for seed in args.angles().filter(|_| args.has(Part::Standing)) {
-        tasks.push((standing::name(seed), 8.0, Box::new(move || standing::cell(program, seed))));
-    }
-    for seed in args.demos().filter(|_| args.has(Part::Demos)) {
-        tasks.push((format!("demo/{seed}"), 2.0, Box::new(move || demos::cell(program, seed))));
+    for (part, kind, seeds, work, cell) in kinds {
+        for seed in seeds.filter(|_| args.has(part)) {
+            tasks.push((format!("{kind}/{seed}"), work, Box::new(move || cell(program, seed))));
+        }
     }
     tasks
 }
@@ -252,7 +244,8 @@ fn tables_of_angles(args: &Args, store: &Store) -> String {
     text
 }
 
-fn measure(root: &Path, args: &Args) -> Outcome<()> {
+/// Runs the command.
+pub(crate) fn run(root: &Path, args: &Args) -> Outcome<()> {
     let (data, program) = (args.options.data(root), args.options.program(root, "intervals")?);
     let folder = program.folder.clone();
     let recording = tuned_on(&data.join("pose2sim_single"));
@@ -284,9 +277,4 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     reliability::draw(&store, [args.runs(), args.derived()], &images.join("reliability.svg"))?;
     println!("{text}");
     Ok(())
-}
-
-/// Runs the command.
-pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
-    exit_code(measure(root, args))
 }

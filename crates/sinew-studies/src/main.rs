@@ -10,7 +10,7 @@
 //! | [`latent`] | latent models on published data |
 //! | [`batch`], [`soak`], [`checksums`], [`report_check`] | many trials, long runs, results at fixed seeds, the page in a browser |
 //! | [`verify`], [`tables`], [`picture`] | statistical checks; tables and pictures of the pages |
-//! | [`support`] | kept cells, the program, options, charts, means and verdicts |
+//! | [`support`] | kept cells, the program, options, charts, tables, means and verdicts |
 //!
 //! `peers` beside this folder holds other people's programs on the same data. What is measured here is computed by the product or by the tests' library; a study runs, judges and prints.
 
@@ -38,6 +38,7 @@ mod verify;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;
+use support::outcome::exit_code;
 
 /// Studies of the product.
 #[derive(Parser)]
@@ -97,7 +98,7 @@ enum Command {
 
 fn main() -> ExitCode {
     let root = support::root();
-    match Cli::parse().command {
+    let done = match Cli::parse().command {
         Command::Accuracy(args) => accuracy::run(root, &args),
         Command::Batch(args) => batch::run(root, &args),
         Command::Checksums(args) => checksums::run(root, &args),
@@ -113,12 +114,13 @@ fn main() -> ExitCode {
         Command::Opensim(args) => opensim::run(root, &args),
         Command::Picture => picture::run(root),
         Command::ReportCheck(args) => report_check::run(&args),
-        Command::Reproduce(args) => papers::run(root, &args),
+        Command::Reproduce(args) => return exit_code(papers::run(root, &args)),
         Command::Silhouettes(args) => trackers::silhouettes::run(root, &args),
-        Command::Soak(args) => soak::run(&args),
+        Command::Soak(args) => return exit_code(soak::run(&args)),
         Command::Sync(args) => clocks::run(root, &args),
         Command::Tables => tables::run(root),
         Command::Trackers(args) => trackers::run(root, &args),
-        Command::Verify(args) => verify::run(root, &args),
-    }
+        Command::Verify(args) => return verify::run(root, &args),
+    };
+    exit_code(done.map(|()| ExitCode::SUCCESS))
 }

@@ -14,7 +14,7 @@ mod people;
 mod scene;
 mod tables;
 
-use crate::support::outcome::{Outcome, exit_code};
+use crate::support::outcome::Outcome;
 use crate::support::store::{Store, Task, run_all};
 use crate::support::study_options::StudyOptions;
 use people::{Models, PILOT, Person, TEST, UNSEEN};
@@ -22,7 +22,6 @@ use scene::{CONTENDERS, Contender, SCENES, Scene, Series};
 use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
 use std::path::Path;
-use std::process::ExitCode;
 
 /// Measures what a learned motion model is worth as a prior on keypoints.
 #[derive(clap::Args)]
@@ -90,7 +89,8 @@ impl Study {
     }
 }
 
-fn measure(root: &Path, args: &Args) -> Outcome<()> {
+/// Runs the command.
+pub(crate) fn run(root: &Path, args: &Args) -> Outcome<()> {
     let data = args.options.data(root);
     let (name, trials) = match args {
         Args { pilot: true, .. } => ("motion-prior-pilot", &PILOT[..]),
@@ -112,9 +112,4 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     std::fs::write(folder.join("tables.md"), &text)?;
     println!("{text}");
     Ok(())
-}
-
-/// Runs the command.
-pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
-    exit_code(measure(root, args))
 }

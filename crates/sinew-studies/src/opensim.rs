@@ -4,13 +4,13 @@
 
 mod compared;
 
-use crate::support::outcome::{Outcome, exit_code};
+use crate::support::outcome::Outcome;
 use crate::support::program::{Program, shown};
 use crate::support::study_options::ProgramOptions;
 use compared::{Angles, Compared};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::Command;
 
 /// What to run.
 #[derive(clap::Args)]
@@ -146,7 +146,8 @@ fn variation(study: &Study<'_>) -> Outcome<String> {
     Ok(compared::variation(&usual, &[theirs?, muscles?]))
 }
 
-fn all(root: &Path, args: &Args) -> Outcome<()> {
+/// Runs the command.
+pub fn run(root: &Path, args: &Args) -> Outcome<()> {
     let (data, program) = (args.options.data(root), args.options.program(root, "opensim")?);
     let folder = program.folder.clone();
     let python = Python::installed(root, &folder, &args.python)?;
@@ -167,9 +168,4 @@ fn all(root: &Path, args: &Args) -> Outcome<()> {
     text += &format!("Markers:\n\n{}", compared::markers(&folder.join("single-1/opensim"))?);
     println!("{text}");
     Ok(fs::write(folder.join("tables.md"), text)?)
-}
-
-/// Runs the command.
-pub fn run(root: &Path, args: &Args) -> ExitCode {
-    exit_code(all(root, args))
 }

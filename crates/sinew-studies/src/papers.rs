@@ -14,6 +14,7 @@ mod seed_results;
 mod shared_values;
 mod worth;
 
+use crate::support::outcome::Outcome;
 use clap::{Args as ClapArgs, Subcommand};
 use std::path::Path;
 use std::process::ExitCode;
@@ -22,14 +23,17 @@ use std::process::ExitCode;
 mod reduced_size {
     //! What the tests of the papers share.
 
-    use crate::support::outcome::Outcome;
-    use crate::support::study_options::StudyOptions;
+    use crate::{Cli, Command};
+    use clap::Parser as _;
     use std::process::ExitCode;
 
     /// Runs a whole command in its reduced size: what it asserts holds, and its files are there.
-    pub(super) fn holds(name: &str, files: &[&str], run: impl FnOnce(StudyOptions) -> Outcome<ExitCode>) {
-        let out = std::env::temp_dir().join(format!("sinew-{name}-{}", std::process::id()));
-        let code = run(StudyOptions::writing_to(&out)).unwrap();
+    pub(super) fn holds(paper: &str, files: &[&str]) {
+        let out = std::env::temp_dir().join(format!("sinew-{paper}-{}", std::process::id()));
+        let [folder, data] = [&out, &sinew_tests::data::folder()].map(|path| path.display().to_string());
+        let words = ["studies", "reproduce", paper, "--quick", "--out", &folder, "--data", &data];
+        let Command::Reproduce(args) = Cli::parse_from(words).command else { panic!("another command") };
+        let code = super::run(crate::support::root(), &args).unwrap();
         assert_eq!(code, ExitCode::SUCCESS, "what does not hold is printed above");
         for file in files {
             assert!(out.join(file).is_file(), "{file}");
@@ -60,19 +64,12 @@ enum Paper {
 }
 
 /// Runs the command.
-pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
-    let done = match &args.paper {
+pub(crate) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
+    match &args.paper {
         Paper::Annealing(args) => annealing::run(root, args),
         Paper::ChooFleet(args) => choo_fleet::run(root, args),
         Paper::CoarseToFine(args) => coarse_to_fine::run(root, args),
         Paper::HApf(args) => h_apf::run(root, args),
         Paper::Hppf(args) => hppf::run(root, args),
-    };
-    match done {
-        Ok(code) => code,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
     }
 }

@@ -4,10 +4,11 @@
 
 mod recorded;
 
-use crate::support::outcome::{Outcome, exit_code};
-use crate::support::program::{Program, shown};
+use crate::support::outcome::Outcome;
+use crate::support::program::{Program, shown, write_recording};
 use crate::support::statistics::with_error;
 use crate::support::study_options::ProgramOptions;
+use crate::support::table::{header, row};
 use sinew::formats::calib_toml;
 use sinew::formats::openpose::Keypoint;
 use sinew::input::limbs::{limbs, paired_limbs};
@@ -22,10 +23,8 @@ use sinew_simulate::ring::Ring;
 use sinew_tests::evaluation::ray_association;
 use sinew_tests::evaluation::returns::{Returns, returns};
 use sinew_tests::evaluation::several_people::{self, Counts, Track};
-use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
-use std::process::ExitCode;
 use std::time::Instant;
 
 /// What to run.
@@ -165,16 +164,16 @@ fn share(part: usize, counts: &Counts) -> f64 {
 
 /// Crowds in which everybody is there all the time.
 fn quality(seeds: Range<u64>) -> Outcome<String> {
-    let mut text = String::from(
-        "| people | association | switches a minute | misses, % | false people, % | MOTA, % | IDF1, % | PCP, % |\n|---|---|---|---|---|---|---|---|\n",
+    let mut text = header(
+        "| people | association | switches a minute | misses, % | false people, % | MOTA, % | IDF1, % | PCP, % |",
     );
     for people in SIZES {
         let one = |seed| Ok(counted(&CrowdRecording::new(&crowd(people, DURATION_S), seed)?));
         let all = seeds.clone().map(one).collect::<Outcome<Vec<_>>>()?;
         for (method, name) in NAMES.into_iter().enumerate() {
-            let _ = writeln!(
+            row!(
                 text,
-                "| {people} | {name} | {} | {} | {} | {} | {} | {} |",
+                "{people} | {name} | {} | {} | {} | {} | {} | {}",
                 mean(&all, method, &|c| c.switches as f64 * 60.0 / DURATION_S),
                 mean(&all, method, &|c| share(c.misses, c)),
                 mean(&all, method, &|c| share(c.false_people, c)),
@@ -189,8 +188,8 @@ fn quality(seeds: Range<u64>) -> Outcome<String> {
 
 /// Crowds that come and go.
 fn returning(seeds: Range<u64>) -> Outcome<String> {
-    let mut text = String::from(
-        "| people | association | known again | new name | another's name | missed | newcomers with another's name | switches a minute | MOTA, % | IDF1, % |\n|---|---|---|---|---|---|---|---|---|---|\n",
+    let mut text = header(
+        "| people | association | known again | new name | another's name | missed | newcomers with another's name | switches a minute | MOTA, % | IDF1, % |",
     );
     for people in SIZES {
         let crowd = crowd(people, RETURNING_S);
@@ -199,9 +198,9 @@ fn returning(seeds: Range<u64>) -> Outcome<String> {
         for (method, name) in NAMES.into_iter().enumerate() {
             let sum =
                 |value: fn(&Returns) -> usize| all.iter().map(|found| value(&found[method].returns)).sum::<usize>();
-            let _ = writeln!(
+            row!(
                 text,
-                "| {people} | {name} | {} | {} | {} | {} | {} of {} | {} | {} | {} |",
+                "{people} | {name} | {} | {} | {} | {} | {} of {} | {} | {} | {}",
                 sum(|r| r.known),
                 sum(|r| r.new),
                 sum(|r| r.mistaken),
@@ -217,23 +216,13 @@ fn returning(seeds: Range<u64>) -> Outcome<String> {
     Ok(text)
 }
 
-/// Writes a crowd as files.
-fn write(recording: &CrowdRecording, folder: &Path) -> Outcome<()> {
-    for camera in &recording.cameras {
-        std::fs::create_dir_all(folder.join(format!("keypoints/{}_json", camera.name)))?;
-    }
-    for (name, text) in recording.keypoint_files() {
-        std::fs::write(folder.join("keypoints").join(name), text)?;
-    }
-    Ok(std::fs::write(folder.join("Calib.toml"), calib_toml::write(&recording.cameras))?)
-}
-
 fn speed(program: &Program) -> Outcome<String> {
-    let mut text = String::from("| people | frames a second, one thread | two threads |\n|---|---|---|\n");
+    let mut text = header("| people | frames a second, one thread | two threads |");
     for people in TIMED {
         let recording = CrowdRecording::new(&crowd(people, DURATION_S), 1)?;
         let folder = program.folder.join(format!("crowd-{people}"));
-        write(&recording, &folder)?;
+        let calibration = calib_toml::write(&recording.cameras);
+        write_recording(&folder, &calibration, "keypoints", recording.keypoint_files())?;
         let frames = recording.truth[0].frames.len() as f64;
         let timed = |threads: usize| -> Outcome<f64> {
             let paths = ["Calib.toml", "keypoints", "out"].map(|name| shown(&folder.join(name)));
@@ -245,12 +234,13 @@ fn speed(program: &Program) -> Outcome<String> {
                 .track(&flags.into_iter().chain(rest).map(str::to_owned).collect::<Vec<_>>(), Path::new(&paths[2]))?;
             Ok(frames / start.elapsed().as_secs_f64())
         };
-        let _ = writeln!(text, "| {people} | {:.0} | {:.0} |", timed(1)?, timed(2)?);
+        row!(text, "{people} | {:.0} | {:.0}", timed(1)?, timed(2)?);
     }
     Ok(text)
 }
 
-fn all(root: &Path, args: &Args) -> Outcome<()> {
+/// Runs the command.
+pub fn run(root: &Path, args: &Args) -> Outcome<()> {
     let folder = args.options.folder(root, "people")?;
     let mut texts = vec![];
     if args.only.contains(&Part::Crowds) {
@@ -270,9 +260,4 @@ fn all(root: &Path, args: &Args) -> Outcome<()> {
     let text = texts.join("\n");
     println!("{text}");
     Ok(std::fs::write(folder.join("tables.md"), text)?)
-}
-
-/// Runs the command.
-pub fn run(root: &Path, args: &Args) -> ExitCode {
-    exit_code(all(root, args))
 }

@@ -4,35 +4,25 @@ mod angles;
 mod demo;
 mod real;
 
-use std::error::Error;
+use crate::support::outcome::Outcome;
 use std::fs;
 use std::path::Path;
-use std::process::ExitCode;
 
 /// Draws the pictures.
-pub fn run(root: &Path) -> ExitCode {
+pub fn run(root: &Path) -> Outcome<()> {
     let folder = root.join("docs/images");
     let data = std::env::var_os("SINEW_DATA").map_or_else(|| root.join("../shared/data"), Into::into);
-    let drawn = || -> Result<(), Box<dyn Error>> {
-        fs::create_dir_all(&folder)?;
-        for sheet in angles::SHEETS {
-            write(&folder.join(sheet.file), angles::svg(&sheet)?.as_bytes())?;
-        }
-        write(&folder.join("demo.svg"), demo::svg()?.as_bytes())?;
-        if real::is_there(&data) {
-            write(&folder.join("real.png"), &real::png(&data)?)?;
-        } else {
-            println!("skipped real.png: no data in {}", data.display());
-        }
-        Ok(())
-    };
-    match drawn() {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
-        }
+    fs::create_dir_all(&folder)?;
+    for sheet in angles::SHEETS {
+        write(&folder.join(sheet.file), angles::svg(&sheet)?.as_bytes())?;
     }
+    write(&folder.join("demo.svg"), demo::svg()?.as_bytes())?;
+    if real::is_there(&data) {
+        write(&folder.join("real.png"), &real::png(&data)?)?;
+    } else {
+        println!("skipped real.png: no data in {}", data.display());
+    }
+    Ok(())
 }
 
 fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {

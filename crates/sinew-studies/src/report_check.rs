@@ -2,9 +2,9 @@
 //!
 //! Judged, each time: the page says that it is ready, draws with what it should, plays without being asked, has its curves, says of no problem and writes nothing on the console. A picture of each lies beside the page: look at it.
 
-use crate::support::outcome::{Outcome, exit_code};
+use crate::support::outcome::Outcome;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::Command;
 
 /// Most bytes of a page.
 const LARGEST: u64 = 3_000_000;
@@ -29,11 +29,7 @@ pub struct Args {
 }
 
 /// Checks a page.
-pub fn run(args: &Args) -> ExitCode {
-    exit_code(check(args))
-}
-
-fn check(args: &Args) -> Outcome<()> {
+pub fn run(args: &Args) -> Outcome<()> {
     let page = args.page.canonicalize()?;
     let size = page.metadata()?.len();
     println!("{}: {size} bytes, at most {LARGEST}", page.display());

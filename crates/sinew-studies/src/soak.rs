@@ -7,6 +7,7 @@
 //! - open files: as many at the end as after frame 1000;
 //! - root mean square error over root mean square standard deviation of the points of `joints.csv`, last 1000 frames against the first: at most 1.2 times.
 
+use crate::support::outcome::Outcome;
 use crate::support::statistics::{median, verdict};
 use sinew::Error;
 use sinew::config::{Sources, resolve};
@@ -96,19 +97,13 @@ struct Seen {
 }
 
 /// Runs the command.
-pub fn run(args: &Args) -> ExitCode {
+pub fn run(args: &Args) -> Outcome<ExitCode> {
     let methods = args.method.as_deref().map_or(vec!["hmc", "bootstrap"], |method| vec![method]);
     let mut passed = true;
     for method in methods {
-        match soak(method, args) {
-            Ok(all) => passed &= all,
-            Err(error) => {
-                eprintln!("error: {error}");
-                passed = false;
-            }
-        }
+        passed &= soak(method, args)?;
     }
-    if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 fn soak(method: &str, args: &Args) -> Result<bool, Error> {

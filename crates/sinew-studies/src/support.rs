@@ -2,11 +2,13 @@
 
 pub(crate) mod chart;
 pub(crate) mod outcome;
+pub(crate) mod primitives;
 pub(crate) mod processor_time;
 pub(crate) mod program;
 pub(crate) mod statistics;
 pub(crate) mod store;
 pub(crate) mod study_options;
+pub(crate) mod table;
 
 use std::path::Path;
 

@@ -12,34 +12,25 @@
 
 mod code;
 
+use crate::support::outcome::Outcome;
 use std::fs;
 use std::io;
 use std::path::Path;
-use std::process::ExitCode;
 
 const OPENING: &str = "<!-- table: ";
 const CLOSING: &str = "<!-- end -->";
 
 /// Runs the command.
-pub fn run(root: &Path) -> ExitCode {
+pub fn run(root: &Path) -> Outcome<()> {
     let report = |path: &str| fs::read_to_string(root.join(path)).ok();
-    let written = pages(root).and_then(|pages| {
-        for (path, text) in pages {
-            let new = filled(&text, &report).map_err(|what| io::Error::other(format!("{path}: {what}")))?;
-            if new != text {
-                fs::write(root.join(&path), new)?;
-                println!("written {path}");
-            }
-        }
-        Ok(())
-    });
-    match written {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::FAILURE
+    for (path, text) in pages(root)? {
+        let new = filled(&text, &report).map_err(|what| format!("{path}: {what}"))?;
+        if new != text {
+            fs::write(root.join(&path), new)?;
+            println!("written {path}");
         }
     }
+    Ok(())
 }
 
 /// All pages below `docs`, by path.

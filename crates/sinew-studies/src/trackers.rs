@@ -15,14 +15,13 @@ pub(crate) mod silhouettes;
 mod tables;
 pub(crate) mod worth;
 
-use crate::support::outcome::{Outcome, exit_code};
+use crate::support::outcome::Outcome;
 use crate::support::program::Program;
 use crate::support::store::{Store, Task, run_all};
 use crate::support::study_options::ProgramOptions;
 use entries::{ENTRIES, Entry};
 use films::{Film, key};
 use std::path::Path;
-use std::process::ExitCode;
 
 /// Tracks the same recordings by all trackers.
 #[derive(clap::Args)]
@@ -54,7 +53,8 @@ fn cell(program: &Program, film: &Film, entry: &Entry, seed: u64) -> Outcome<ser
     Ok(found.to_json())
 }
 
-fn measure(root: &Path, args: &Args) -> Outcome<()> {
+/// Runs the command.
+pub(crate) fn run(root: &Path, args: &Args) -> Outcome<()> {
     let (data, program) = (args.options.data(root), args.options.program(root, "trackers")?);
     let folder = program.folder.clone();
     let films = films::all(&program, &data, args.seeds)?;
@@ -75,9 +75,4 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     std::fs::write(folder.join("tables.md"), &text)?;
     println!("{text}");
     Ok(())
-}
-
-/// Runs the command.
-pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
-    exit_code(measure(root, args))
 }

@@ -1,14 +1,12 @@
-//! `cargo xtask verify`: every statistical check in a row, with a page of results.
-//!
-//! In plain words and as JSON: `cargo xtask verify [--nightly] [--seed S]`.
+//! `cargo xtask verify [--nightly] [--seed S]`: every statistical check in a row, with a page of results.
 //!
 //! Random checks run in stages until their evidence is clear (the kit's `Control`), so that a rotating seed does not cry wolf: the page says how likely one false alarm among all of them is.
 
 use crate::coverage;
+use crate::support::table::{header, row};
 use clap::Args as ClapArgs;
 use rayon::prelude::*;
-use serde_json::{Value, json};
-use sinew_tests::checks::{CHECKS, Check};
+use sinew_tests::checks::{CHECKS, Check, Run};
 use sinew_tests::outcome::Outcome;
 use sinew_tests::size::Size;
 use std::fmt::Write as _;
@@ -28,7 +26,7 @@ pub struct Args {
     /// Only these checks, by name.
     #[arg(long, value_delimiter = ',')]
     only: Vec<String>,
-    /// Folder for the page and the JSON.
+    /// Folder for the page.
     #[arg(long)]
     out: Option<PathBuf>,
 }
@@ -58,7 +56,7 @@ impl Done {
 const OF_PEOPLE: Check = Check {
     name: "people",
     claim: "90 % intervals of `sinew track` at its defaults cover 90 ± 3 % where the noise is as assumed",
-    run: people,
+    run: Run::Outcomes(people),
 };
 
 fn people(seed: u64, size: Size) -> Vec<Outcome> {
@@ -98,7 +96,7 @@ fn people(seed: u64, size: Size) -> Vec<Outcome> {
 const OF_DEGREES: Check = Check {
     name: "degrees-of-freedom",
     claim: "the ranks of all 32 degrees of freedom of H32 are uniform on motion that the tracker's own model draws, as far as the series show",
-    run: degrees,
+    run: Run::Outcomes(degrees),
 };
 
 /// Probability of a false alarm of [`degrees`].
@@ -147,7 +145,7 @@ pub fn run(root: &Path, args: &Args) -> ExitCode {
         .with_max_len(1)
         .map(|check| {
             let from = Instant::now();
-            let outcomes = (check.run)(seed, size);
+            let outcomes = check.outcomes(seed, size);
             let done = Done { check: *check, outcomes, seconds: from.elapsed().as_secs_f64() };
             println!("{:>6.1} s  {}  {}", done.seconds, done.verdict(), check.name);
             done
@@ -157,10 +155,7 @@ pub fn run(root: &Path, args: &Args) -> ExitCode {
     let folder = args.out.clone().unwrap_or_else(|| root.join("target/verify"));
     let name = format!("seed-{seed}{}", if args.nightly { "" } else { "-reduced" });
     let written = std::fs::create_dir_all(&folder)
-        .and_then(|()| std::fs::write(folder.join(format!("{name}.md")), page(&done, seed, size, seconds)))
-        .and_then(|()| {
-            std::fs::write(folder.join(format!("{name}.json")), as_json(&done, seed, size, seconds).to_string())
-        });
+        .and_then(|()| std::fs::write(folder.join(format!("{name}.md")), page(&done, seed, size, seconds)));
     if let Err(error) = written {
         eprintln!("error: {}: {error}", folder.display());
         return ExitCode::from(5);
@@ -191,12 +186,12 @@ fn summary(done: &[Done], seconds: f64) -> String {
 
 fn page(done: &[Done], seed: u64, size: Size, seconds: f64) -> String {
     let mut text = format!("# Checks with seed {seed}, {size:?} size\n\n{}\n\n", summary(done, seconds));
-    text.push_str("| claim | check | verdict | findings | nearest to its bound | s |\n|---|---|---|---|---|---|\n");
+    text += &header("| claim | check | verdict | findings | nearest to its bound | s |");
     for d in done {
         let worst = d.outcomes.iter().find(|o| !o.holds).or_else(|| d.outcomes.iter().max_by_key(|o| o.stages));
-        let _ = writeln!(
+        row!(
             text,
-            "| {} | {} | {} | {} | {} | {:.0} |",
+            "{} | {} | {} | {} | {} | {:.0}",
             d.check.claim,
             d.check.name,
             d.verdict(),
@@ -212,23 +207,4 @@ fn page(done: &[Done], seed: u64, size: Size, seconds: f64) -> String {
         }
     }
     text
-}
-
-fn as_json(done: &[Done], seed: u64, size: Size, seconds: f64) -> Value {
-    let outcome = |o: &Outcome| {
-        json!({
-            "name": o.name, "holds": o.holds, "worst": o.worst, "false_alarm_rate": o.false_alarm_rate,
-            "statistics": o.statistics, "stages": o.stages,
-        })
-    };
-    let check = |d: &Done| {
-        json!({
-            "name": d.check.name, "claim": d.check.claim, "verdict": d.verdict(), "seconds": d.seconds,
-            "outcomes": d.outcomes.iter().map(outcome).collect::<Vec<_>>(),
-        })
-    };
-    json!({
-        "seed": seed, "size": format!("{size:?}"), "seconds": seconds, "false_alarm_rate": false_alarms(done),
-        "checks": done.iter().map(check).collect::<Vec<_>>(),
-    })
 }

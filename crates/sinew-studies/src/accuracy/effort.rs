@@ -5,9 +5,10 @@
 //! Of the settings whose coverage lies in 90 ± 3 % and whose error is within two standard errors of that of the most expensive one, the cheapest is enough for these recordings; docs/evidence/accuracy.md says why the default is dearer.
 
 use super::virtual_cameras::{CMU_RATE_HZ, Motion, Tally, film, share};
-use crate::support::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
+use crate::support::chart::{self, BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, Panel, bare, with_bar};
 use crate::support::outcome::Outcome;
 use crate::support::statistics::mean;
+use crate::support::table::header;
 use plotters::prelude::*;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::settings::Settings;
@@ -99,20 +100,19 @@ fn line(
     x: impl Fn(&Found) -> f64,
     y: impl Fn(&Found) -> [f64; 2],
 ) -> Line {
-    let point = |f: &&Found| {
-        let [value, error] = y(f);
-        [x(f).log10(), value, value - 2.0 * error, value + 2.0 * error]
-    };
+    let point = |f: &&Found| with_bar(x(f).log10(), y(f));
     Line { name, colour, points: found.iter().map(point).collect() }
 }
 
 /// Runs all settings, prints the table and draws the curves.
 pub fn run(motions: &[Motion], seeds: u64, picture: &Path) -> Outcome<()> {
     println!("\nFitted body, sizes from the set-up, {seeds} seeds of each motion; ± one standard error.\n");
-    println!(
-        "| prior | chains | updates | gradients a frame | error, mm | coverage, % | frames with R-hat above 1.05, % |"
+    print!(
+        "{}",
+        header(
+            "| prior | chains | updates | gradients a frame | error, mm | coverage, % | frames with R-hat above 1.05, % |"
+        )
     );
-    println!("|---|---|---|---|---|---|---|");
     let mut effort = vec![];
     for chains in CHAINS {
         for updates in UPDATES {
@@ -133,9 +133,6 @@ pub fn run(motions: &[Motion], seeds: u64, picture: &Path) -> Outcome<()> {
 }
 
 fn draw(effort: &[Found], priors: &[Found], path: &Path) -> Outcome<()> {
-    let root = SVGBackend::new(path, (1260, 330)).into_drawing_area();
-    root.fill(&WHITE).map_err(|error| error.to_string())?;
-    let areas = root.split_evenly((1, 3));
     let by_chains = |y: &dyn Fn(&Found) -> [f64; 2]| -> Vec<Line> {
         let of = |(chains, colour): (usize, RGBColor)| {
             let own: Vec<&Found> = effort.iter().filter(|f| f.hmc.chains == chains).collect();
@@ -144,15 +141,13 @@ fn draw(effort: &[Found], priors: &[Found], path: &Path) -> Outcome<()> {
         CHAINS.into_iter().zip([ORANGE, BLUE, GREEN]).map(of).collect()
     };
     let cost = "gradients a frame";
-    let beside = Names::Beside(76);
-    panel_with(
-        &areas[0],
-        "mean distance from the truth",
-        [cost, "mm"],
-        &by_chains(&|f| f.error_mm),
-        [true, false],
-        beside,
-    )?;
+    let panel = |title: &str, axes, lines| Panel {
+        title: title.into(),
+        axes,
+        lines,
+        in_decades: [true, false],
+        names: Names::Beside(76),
+    };
     let coverage = "coverage of 90 % intervals, %";
     let mut lines = by_chains(&|f| f.coverage);
     let ends = |lines: &[Line]| {
@@ -160,14 +155,12 @@ fn draw(effort: &[Found], priors: &[Found], path: &Path) -> Outcome<()> {
         all.fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(x), high.max(x)))
     };
     let target = |(low, high): (f64, f64)| {
-        [87.0, 93.0].map(|y| Line {
-            name: format!("{y} %"),
-            colour: GREY,
-            points: vec![[low, y, y, y], [high, y, y, y]],
-        })
+        let line = |y| Line { name: format!("{y} %"), colour: GREY, points: vec![bare(low, y), bare(high, y)] };
+        [87.0, 93.0].map(line)
     };
     lines.extend(target(ends(&lines)));
-    panel_with(&areas[1], "coverage", [cost, coverage], &lines, [true, false], beside)?;
+    let distances = panel("mean distance from the truth", [cost, "mm"], by_chains(&|f| f.error_mm));
+    let covered = panel("coverage", [cost, coverage], lines);
     let mut lines: Vec<Line> = [(Between::Gaussian, BLUE), (Between::Mixture, PURPLE)]
         .into_iter()
         .map(|(between, colour)| {
@@ -177,7 +170,5 @@ fn draw(effort: &[Found], priors: &[Found], path: &Path) -> Outcome<()> {
         .collect();
     lines.extend(target(ends(&lines)));
     let title = format!("priors between frames, {PRIOR_UPDATES} updates");
-    panel_with(&areas[2], &title, ["chains", coverage], &lines, [true, false], beside)?;
-    finish(&root)?;
-    Ok(())
+    chart::draw(path, (1260, 330), (1, 3), &[distances, covered, panel(&title, ["chains", coverage], lines)])
 }

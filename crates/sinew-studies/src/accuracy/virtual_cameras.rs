@@ -2,17 +2,17 @@
 
 use crate::support::outcome::Outcome;
 use crate::support::statistics::mean;
+use crate::support::table::{header, row, with_spread};
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::config::settings::Settings;
-use sinew::formats::{amc, asf};
 use sinew::input::in_memory::InMemory;
 use sinew_body::points::Trajectories;
-use sinew_motion::cmu;
 use sinew_motion::retarget::{Retargeted, retarget};
 use sinew_results::estimate::FrameEstimate;
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::evaluation::{self, Run, Track};
+use sinew_tests::recorded_motion::recorded;
 use sinew_tests::simulated_source::source;
 use std::path::Path;
 
@@ -45,10 +45,8 @@ pub(super) fn motions(data: &Path) -> Outcome<Vec<Motion>> {
         .into_iter()
         .map(|name| {
             let subject = name.split('_').next().unwrap_or(name);
-            let text = |file: String| std::fs::read_to_string(data.join(file));
-            let skeleton = asf::read(name, &text(format!("{subject}.asf"))?)?;
-            let motion = amc::read(name, &text(format!("{name}.amc"))?, &skeleton)?;
-            let recorded = cmu::joints(&skeleton, &motion, cmu::RATE_HZ / CMU_RATE_HZ);
+            let [motion, skeleton] = [format!("{name}.amc"), format!("{subject}.asf")].map(|file| data.join(file));
+            let recorded = recorded(&motion, &skeleton, CMU_RATE_HZ)?;
             let fitted = retarget(&recorded).ok_or("no pose in the first frame")?;
             Ok(Motion { name, recorded, fitted })
         })
@@ -79,10 +77,12 @@ impl Tally {
 /// Prints the tables of all motions.
 pub(super) fn recorded_motion(motions: &[Motion], seeds: u64) -> Outcome<()> {
     println!("\nFour virtual cameras, Gaussian noise of {SIGMA_PX} px, {seeds} seeds, 30 frames/s.\n");
-    println!(
-        "| motion | keypoints from | proportions | method | error, mm | coverage, % | model error, mm | sigma, px |"
+    print!(
+        "{}",
+        header(
+            "| motion | keypoints from | proportions | method | error, mm | coverage, % | model error, mm | sigma, px |"
+        )
     );
-    println!("|---|---|---|---|---|---|---|---|");
     let mut pooled: Vec<(String, Vec<Vec<Vec<f64>>>)> = vec![];
     for motion in motions {
         let Motion { name, recorded, fitted } = motion;
@@ -115,21 +115,19 @@ pub(super) fn recorded_motion(motions: &[Motion], seeds: u64) -> Outcome<()> {
         }
     }
     println!("\nAll motions; coverage in % ± standard error of a bootstrap of blocks of {BLOCK} frames:\n");
-    print!("| keypoints, proportions, method | pooled |");
-    EVALUATION_JOINTS.iter().for_each(|joint| print!(" {joint} |"));
-    println!("\n|---|---|{}", "---|".repeat(EVALUATION_JOINTS.len()));
+    let joints = EVALUATION_JOINTS.len();
+    let mut table = header(&format!("| keypoints, proportions, method | pooled | {} |", EVALUATION_JOINTS.join(" | ")));
     for (kind, all) in &pooled {
-        print!("| {kind} | {} |", coverage(all, 0..EVALUATION_JOINTS.len()));
-        (0..EVALUATION_JOINTS.len()).for_each(|j| print!(" {} |", coverage(all, j..j + 1)));
-        println!();
+        let each = (0..joints).map(|j| coverage(all, j..j + 1)).collect::<Vec<_>>().join(" | ");
+        row!(table, "{kind} | {} | {each}", coverage(all, 0..joints));
     }
+    print!("{table}");
     Ok(())
 }
 
 /// Coverage of some joints in per cent with its standard error.
 fn coverage(runs: &[Vec<Vec<f64>>], joints: std::ops::Range<usize>) -> String {
-    let [mean, error] = share(runs, joints);
-    format!("{mean:.1} ± {error:.1}")
+    with_spread(share(runs, joints), 1)
 }
 
 /// Coverage of some joints in per cent and its standard error.

@@ -7,6 +7,8 @@ use super::keypoint_tables::write_keypoints;
 use crate::intervals::true_angles;
 use crate::support::outcome::Outcome;
 use crate::support::program::{Program, shown};
+use crate::support::statistics::mean_and_error;
+use crate::support::table::{header, row, with_spread};
 use serde_json::Value;
 use sinew::core::random::Stage;
 use sinew_simulate::adult;
@@ -75,17 +77,12 @@ pub(super) fn table_of_sessions(program: &Program, folder: &Path, sessions: usiz
 }
 
 fn markdown(what: &str, rows: &Rows) -> String {
-    let mut text =
-        format!("| {what} | inside 90 % intervals, % | mean error, ° | half-width, ° |\n|---|---|---|---|\n");
+    let mut text = header(&format!("| {what} | inside 90 % intervals, % | mean error, ° | half-width, ° |"));
     for (name, studies) in rows {
         let column = |place: usize, factor: f64| {
-            let values: Vec<f64> = studies.iter().map(|held| factor * held[place]).collect();
-            let count = values.len() as f64;
-            let mean = values.iter().sum::<f64>() / count;
-            let square: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-            format!("{mean:.2} ± {:.2}", (square / (count - 1.0) / count).sqrt())
+            with_spread(mean_and_error(&studies.iter().map(|held| factor * held[place]).collect::<Vec<f64>>()), 2)
         };
-        text += &format!("| {name} | {} | {} | {} |\n", column(0, 100.0), column(1, 1.0), column(2, 1.0));
+        row!(text, "{name} | {} | {} | {}", column(0, 100.0), column(1, 1.0), column(2, 1.0));
     }
     text
 }

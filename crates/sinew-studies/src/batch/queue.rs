@@ -3,6 +3,7 @@
 //! 1000 nodes with two workers each. A scheduler starts jobs, and a shared file system does operations on names (create, rename, remove), one after the other, at the rates below; a worker waits for its own. A trial takes its computing, exponentially
 //! spread about the mean for a half of it, then its overhead on the node, then its operations on the shared file system. Jobs are trials or shards.
 
+use crate::support::table::{header, row};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
@@ -105,13 +106,13 @@ fn came(design: &Design, computing_s: f64, overhead_s: f64) -> Came {
 
 /// The table of all designs.
 pub(super) fn table(computing_s: f64, overhead_s: f64) -> String {
-    let mut text = format!(
-        "| {TRIALS} trials of {computing_s} s and {overhead_s} s overhead, {WORKERS} workers | hours | scheduler busy, % | file system busy, % | workers computing, % |\n|---|---|---|---|---|\n"
-    );
+    let mut text = header(&format!(
+        "| {TRIALS} trials of {computing_s} s and {overhead_s} s overhead, {WORKERS} workers | hours | scheduler busy, % | file system busy, % | workers computing, % |"
+    ));
     for design in &DESIGNS {
         let Came { hours, busy } = came(design, computing_s, overhead_s);
         let [scheduler, disk, workers] = busy.map(|share| 100.0 * share);
-        text += &format!("| {} | {hours:.2} | {scheduler:.0} | {disk:.0} | {workers:.0} |\n", design.name);
+        row!(text, "{} | {hours:.2} | {scheduler:.0} | {disk:.0} | {workers:.0}", design.name);
     }
     text
 }

@@ -4,8 +4,8 @@ use super::recorded::{Clocks, Walk};
 use crate::support::outcome::Outcome;
 use crate::support::program::{Program, shown};
 use crate::support::statistics::with_error;
+use crate::support::table::{header, row};
 use crate::trackers::worth;
-use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
 
@@ -29,8 +29,7 @@ fn tracked(program: &Program, folder: &Path, more: &[String]) -> Outcome<worth::
 
 /// The table.
 pub(super) fn table(program: &Program, seeds: Range<u64>) -> Outcome<String> {
-    let mut text =
-        String::from("| one camera late by | read | error, mm | inside 90 % intervals, % |\n|---|---|---|---|\n");
+    let mut text = header("| one camera late by | read | error, mm | inside 90 % intervals, % |");
     let folder = program.folder.join("walk");
     for lag in LAGS {
         for (words, flag) in READINGS {
@@ -51,7 +50,7 @@ pub(super) fn table(program: &Program, seeds: Range<u64>) -> Outcome<String> {
                 errors.push(found.error_mm);
                 covered.push(100.0 * found.covered);
             }
-            let _ = writeln!(text, "| {lag} | {words} | {} | {} |", with_error(&errors, 3), with_error(&covered, 3));
+            row!(text, "{lag} | {words} | {} | {}", with_error(&errors, 3), with_error(&covered, 3));
         }
     }
     Ok(text)

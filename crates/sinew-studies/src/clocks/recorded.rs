@@ -3,6 +3,7 @@
 //! The walk is sampled finely (`FINE_HZ`); each camera shows it at the times of its own clock, interpolated on that grid, so that lags are exact whatever the frame rate.
 
 use crate::support::outcome::Outcome;
+use crate::support::program::write_recording;
 use sinew::core::random::Stage;
 use sinew::formats::calib_toml;
 use sinew_body::points::{Trajectories, points_of_states};
@@ -104,16 +105,10 @@ impl Walk {
         if folder.exists() {
             std::fs::remove_dir_all(folder)?;
         }
-        for camera in &cameras {
-            std::fs::create_dir_all(folder.join(format!("pose/{}_json", camera.name)))?;
-        }
-        for (name, text) in keypoint_files(&cameras, &keypoints) {
-            std::fs::write(folder.join("pose").join(name), text)?;
-        }
+        write_recording(folder, &calib_toml::write(&cameras), "pose", keypoint_files(&cameras, &keypoints))?;
         let mut trc = vec![];
         write_trc(&mut trc, "truth.trc", &truth, self.fps)?;
-        std::fs::write(folder.join("truth.trc"), trc)?;
-        Ok(std::fs::write(folder.join("Calib.toml"), calib_toml::write(&cameras))?)
+        Ok(std::fs::write(folder.join("truth.trc"), trc)?)
     }
 }
 

@@ -7,7 +7,7 @@ use super::measures::inside;
 use crate::support::outcome::Outcome;
 use crate::support::program::Program;
 use crate::support::statistics::rms;
-use std::fmt::Write as _;
+use crate::support::table::{header, row};
 use std::path::{Path, PathBuf};
 
 /// Every how many frames are kept, and frames of the whole recording that the camera is late.
@@ -48,8 +48,8 @@ fn write(from: &Path, to: &Path, late: Option<usize>, step: u64, lag: u64) -> Ou
 
 /// The table.
 pub(super) fn table(program: &Program) -> Outcome<String> {
-    let mut text = String::from(
-        "| recording | shifted by, frames | error, root mean square, frames | largest | inside 90 % intervals, % |\n|---|---|---|---|---|\n",
+    let mut text = header(
+        "| recording | shifted by, frames | error, root mean square, frames | largest | inside 90 % intervals, % |",
     );
     for [name, calibration, keypoints] in RECORDINGS {
         let Some(data) = sinew_tests::data::shared(name) else { continue };
@@ -73,12 +73,7 @@ pub(super) fn table(program: &Program) -> Outcome<String> {
                 standardised.push(error / shifted[camera][1]);
             }
             let largest = errors.iter().fold(0.0_f64, |most, error| most.max(error.abs()));
-            let _ = writeln!(
-                text,
-                "| `{name}` | {truth} | {:.3} | {largest:.2} | {:.0} |",
-                rms(&errors),
-                inside(&standardised)
-            );
+            row!(text, "`{name}` | {truth} | {:.3} | {largest:.2} | {:.0}", rms(&errors), inside(&standardised));
         }
     }
     Ok(text)

@@ -2,7 +2,7 @@
 
 use super::found::{BINS, Found};
 use super::scene::{PARTICLES, Scene, Sizes, Tracker, Wrong};
-use crate::support::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
+use crate::support::chart::{self, BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, Panel, bare, with_bar};
 use crate::support::outcome::Outcome;
 use plotters::prelude::*;
 use sinew_tests::evaluation::ranks::LEVELS;
@@ -23,36 +23,29 @@ pub(super) fn draw(series: &[(Scene, Found)], ranked: &[Scene], folder: &Path) -
 }
 
 fn level_line(y: f64, last: f64) -> Line {
-    Line { name: "uniform".into(), colour: GREY, points: vec![[0.0, y, y, y], [last, y, y, y]] }
+    Line { name: "uniform".into(), colour: GREY, points: vec![bare(0.0, y), bare(last, y)] }
 }
 
 fn histograms(series: &[(Scene, Found)], ranked: &[Scene], path: &Path) -> Outcome<()> {
-    let root = SVGBackend::new(path, (1000, 560)).into_drawing_area();
-    root.fill(&WHITE).map_err(|error| error.to_string())?;
-    let areas = root.split_evenly((2, 2));
-    for (area, scene) in areas.iter().zip(ranked) {
-        let Some((_, found)) = series.iter().find(|(known, _)| known == scene) else { continue };
+    let panel = |scene: &Scene| {
+        let found = series.iter().find(|(known, _)| known == scene).map(|(_, found)| found.histogram());
         // Each bin is a step with its bar of two standard errors in the middle.
         let mut steps = vec![];
-        for (bin, [share, error]) in found.histogram().into_iter().enumerate() {
+        for (bin, [share, error]) in found.iter().flatten().copied().enumerate() {
             let (left, right) = (bin as f64 / BINS as f64, (bin + 1) as f64 / BINS as f64);
-            steps.push([left, share, share, share]);
-            steps.push([0.5 * (left + right), share, share - 2.0 * error, share + 2.0 * error]);
-            steps.push([right, share, share, share]);
+            steps.extend([bare(left, share), with_bar(0.5 * (left + right), [share, error]), bare(right, share)]);
         }
-        let lines =
-            [level_line(1.0, 1.0), level_line(0.0, 1.0), Line { name: "found".into(), colour: BLUE, points: steps }];
-        let names = ["rank of the truth among the draws", "relative frequency"];
-        panel_with(area, &title(scene), names, &lines, [false, false], Names::None)?;
-    }
-    finish(&root)
+        let own = Line { name: "found".into(), colour: BLUE, points: steps };
+        let lines = if found.is_some() { vec![level_line(1.0, 1.0), level_line(0.0, 1.0), own] } else { vec![] };
+        let axes = ["rank of the truth among the draws", "relative frequency"];
+        Panel { title: title(scene), axes, lines, in_decades: [false; 2], names: Names::None }
+    };
+    chart::draw(path, (1000, 560), (2, 2), &ranked.iter().map(panel).collect::<Vec<_>>())
 }
 
 fn curve(name: &str, colour: RGBColor, series: &[(Scene, Found)], wanted: Scene) -> Option<Line> {
     let (_, found) = series.iter().find(|(scene, _)| *scene == wanted)?;
-    let point = |(level, [share, error]): (&f64, [f64; 2])| {
-        [*level, share, share - 2.0 * error, share + 2.0 * error].map(|x| 100.0 * x)
-    };
+    let point = |(level, share): (&f64, [f64; 2])| with_bar(*level, share).map(|x| 100.0 * x);
     Some(Line { name: name.into(), colour, points: LEVELS.iter().zip(found.pooled()).map(point).collect() })
 }
 
@@ -60,9 +53,6 @@ fn curve(name: &str, colour: RGBColor, series: &[(Scene, Found)], wanted: Scene)
 type Curve = (&'static str, RGBColor, Scene);
 
 fn curves(series: &[(Scene, Found)], path: &Path) -> Outcome<()> {
-    let root = SVGBackend::new(path, (1260, 380)).into_drawing_area();
-    root.fill(&WHITE).map_err(|error| error.to_string())?;
-    let areas = root.split_evenly((1, 3));
     let person = |cameras, tracker, sizes, wrong| Scene::Person { cameras, tracker, sizes, wrong };
     let right = |cameras, tracker| person(cameras, tracker, Sizes::Fitted, Wrong::Right);
     let sized = |sizes| person(4, Tracker::Hmc, sizes, Wrong::Right);
@@ -96,17 +86,12 @@ fn curves(series: &[(Scene, Found)], path: &Path) -> Outcome<()> {
             ],
         ),
     ];
-    let mut drawn: Vec<(&str, Vec<Line>)> = panels
-        .into_iter()
-        .map(|(title, scenes)| {
-            let lines = scenes.into_iter().filter_map(|(name, colour, scene)| curve(name, colour, series, scene));
-            (title, lines.collect())
-        })
-        .collect();
-    let promised = LEVELS.map(|level| [100.0 * level; 4]).to_vec();
-    for (area, (title, lines)) in areas.iter().zip(&mut drawn) {
-        lines.push(Line { name: "promised".into(), colour: GREY, points: promised.clone() });
-        panel_with(area, title, ["promised, %", "found, %"], lines, [false, false], Names::Beside(104))?;
-    }
-    finish(&root)
+    let panel = |(title, scenes): (&str, Vec<Curve>)| {
+        let lines = scenes.into_iter().filter_map(|(name, colour, scene)| curve(name, colour, series, scene));
+        let points = LEVELS.map(|level| [100.0 * level; 4]).to_vec();
+        let lines = lines.chain([Line { name: "promised".into(), colour: GREY, points }]).collect();
+        let (title, axes) = (title.into(), ["promised, %", "found, %"]);
+        Panel { title, axes, lines, in_decades: [false; 2], names: Names::Beside(104) }
+    };
+    chart::draw(path, (1260, 380), (1, 3), &panels.into_iter().map(panel).collect::<Vec<_>>())
 }

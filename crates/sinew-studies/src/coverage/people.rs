@@ -4,11 +4,10 @@
 
 use crate::support::outcome::Outcome;
 use sinew::body::{KinematicTree, Proportions};
-use sinew::formats::{amc, asf};
 use sinew_body::points::{Trajectories, points_of_states};
-use sinew_motion::cmu;
 use sinew_motion::retarget::retarget;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
+use sinew_tests::recorded_motion;
 use std::path::Path;
 
 /// Frames per second of all recordings.
@@ -55,10 +54,8 @@ pub(super) fn all(data: &Path) -> Outcome<Vec<Person>> {
 }
 
 fn recorded(folder: &Path, subject: &str, trial: &str) -> Outcome<Person> {
-    let text = |file: String| std::fs::read_to_string(folder.join(file));
-    let skeleton = asf::read(subject, &text(format!("{subject}.asf"))?)?;
-    let motion = amc::read(trial, &text(format!("{trial}.amc"))?, &skeleton)?;
-    let recorded = cmu::joints(&skeleton, &motion, cmu::RATE_HZ / RATE_HZ);
+    let [motion, skeleton] = [format!("{trial}.amc"), format!("{subject}.asf")].map(|file| folder.join(file));
+    let recorded = recorded_motion::recorded(&motion, &skeleton, RATE_HZ)?;
     let fitted = retarget(&recorded).ok_or("no pose in the first frame")?;
     Ok(Person {
         subject: subject.into(),

@@ -2,7 +2,7 @@
 
 use super::truth::{TrueEvent, events, stride};
 use crate::support::outcome::Outcome;
-use crate::support::program::{Program, shown};
+use crate::support::program::{Program, shown, write_recording};
 use serde_json::{Map, Value, json};
 use sinew::core::random::Stage;
 use sinew::formats::tidy_csv::{Cells, read_cells};
@@ -36,15 +36,6 @@ fn recording(walker: &Walker, rate_hz: f64, persistence: f64, seed: u64) -> Outc
     let states = walker_states(walker, rate_hz);
     let truth = points_of_states(&walker.body, &states);
     Ok(SyntheticRecording::from_motion(walker.body.clone(), states, truth, &script, seed)?)
-}
-
-fn write(recording: &SyntheticRecording, folder: &Path) -> Outcome<()> {
-    for (name, text) in recording.keypoint_files() {
-        let path = folder.join("keypoints").join(name);
-        std::fs::create_dir_all(path.parent().unwrap_or(folder))?;
-        std::fs::write(path, text)?;
-    }
-    Ok(std::fs::write(folder.join("Calib.toml"), recording.calibration_toml())?)
 }
 
 /// A table of the program.
@@ -154,7 +145,7 @@ pub(super) fn tracked(
     (seed, smooth): (u64, bool),
 ) -> Outcome<PathBuf> {
     std::fs::create_dir_all(folder)?;
-    write(recording, folder)?;
+    write_recording(folder, &recording.calibration_toml(), "keypoints", recording.keypoint_files())?;
     let [calibration, keypoints] = ["Calib.toml", "keypoints"].map(|name| shown(&folder.join(name)));
     let [fps, seed] = [recording.rate_hz.to_string(), seed.to_string()];
     let files = ["--calibration", &calibration, "--keypoints", &keypoints, "--layout", "BODY_25B", "--fps", &fps];

@@ -8,7 +8,8 @@ use super::protocol::{DERIVED, FIRST_ANGLES, NOMINAL};
 use crate::support::outcome::Outcome;
 use crate::support::program::{Program, shown};
 use crate::support::statistics::{mean_and_error, verdict};
-use crate::support::store::Store;
+use crate::support::store::{Store, numbers};
+use crate::support::table::{header, with_spread};
 use serde_json::{Map, Value, json};
 use sinew::body::KinematicTree;
 use sinew::core::random::Stage;
@@ -181,10 +182,8 @@ pub(super) fn cell(program: &Program, seed: u64) -> Outcome<Value> {
     Ok(found.into())
 }
 
-/// Name of a seed's cell.
-pub(super) fn name(seed: u64) -> String {
-    format!("angles/{seed}")
-}
+/// What the names of cells begin with.
+pub(super) const CELLS: &str = "angles";
 
 /// An angle without its side.
 fn group(name: &str) -> &str {
@@ -198,7 +197,7 @@ pub(super) fn shares(cells: &[&Value], kind: &str, counted: usize, wanted: Optio
         let mut sums = [0.0; 4];
         for (name, tallies) in cell[kind].as_object().into_iter().flatten() {
             if wanted.is_none_or(|wanted| group(name) == wanted) {
-                let own = crate::support::store::numbers(&tallies[counted]);
+                let own = numbers(&tallies[counted]);
                 sums.iter_mut().zip(own).for_each(|(sum, x)| *sum += x);
             }
         }
@@ -215,7 +214,7 @@ pub(super) fn written(shares: &[[f64; 3]]) -> (f64, String) {
     }
     let of = |k: usize| mean_and_error(&shares.iter().map(|seed| seed[k]).collect::<Vec<_>>());
     let ([inside, error], [apart, _], [half_width, _]) = (of(0), of(1), of(2));
-    (inside, format!("| {inside:.1} ± {error:.1} | {apart:.1} | {half_width:.1} "))
+    (inside, format!("| {} | {apart:.1} | {half_width:.1} ", with_spread([inside, error], 1)))
 }
 
 /// A row: what is counted of an angle or of all, filtered and smoothed, and the bound where it is judged.
@@ -226,17 +225,17 @@ fn row(cells: &[&Value], what: &str, counted: usize, wanted: Option<&str>, is_ju
     format!("| {what} {}{}| {bound} |\n", kinds[0].1, kinds[1].1)
 }
 
-fn cells(store: &Store, seeds: Range<u64>) -> Vec<&Value> {
-    seeds.filter_map(|seed| store.get(&name(seed))).collect()
-}
-
 const HEAD: &str = "| what | filtered: inside 90 % intervals, % | mean error | half-width \
-    | with `--smooth`: inside 90 % intervals, % | mean error | half-width | bound | |\n|---|---|---|---|---|---|---|---|---|\n";
+    | with `--smooth`: inside 90 % intervals, % | mean error | half-width | bound | |";
 
 /// All angles together, and their rates.
 pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
-    let cells = cells(store, seeds);
-    let text = format!("{} demos, seeds from {FIRST_ANGLES}, `angles.csv` against the truth:\n\n{HEAD}", cells.len());
+    let cells = store.of_seeds(CELLS, seeds);
+    let text = format!(
+        "{} demos, seeds from {FIRST_ANGLES}, `angles.csv` against the truth:\n\n{}",
+        cells.len(),
+        header(HEAD)
+    );
     let rows = [
         (0, "angles that are seen, °"),
         (1, "angles that are not seen, °"),
@@ -251,10 +250,10 @@ pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
 
 /// Each angle, both sides together.
 pub(super) fn each_table(store: &Store, seeds: Range<u64>) -> String {
-    let cells = cells(store, seeds);
+    let cells = store.of_seeds(CELLS, seeds);
     let known = cells.first().and_then(|cell| cell["filtered"].as_object()).into_iter().flatten();
     let names: BTreeSet<&str> = known.map(|(name, _)| group(name)).collect();
-    let mut text = format!("Each angle, both sides together:\n\n{HEAD}");
+    let mut text = format!("Each angle, both sides together:\n\n{}", header(HEAD));
     for name in names {
         for (counted, what) in [(0, "°"), (1, "not seen, °"), (2, "rate, °/s"), (3, "rate, not seen, °/s")] {
             if shares(&cells, "filtered", counted, Some(name)).len() > 1 {

@@ -6,6 +6,7 @@
 
 use super::protocol::{LAYOUT, Recording, UNTOUCHED};
 use crate::support::outcome::Outcome;
+use crate::support::program::write_recording;
 use crate::support::statistics::median;
 use sinew::formats::keypoint_table::TableCamera;
 use sinew::formats::openpose::Keypoint;
@@ -88,14 +89,8 @@ fn keypoints(path: &Path) -> Outcome<Vec<Vec<Vec<Option<Keypoint>>>>> {
 pub(super) fn converted(source: &Path, folder: &Path) -> Outcome<()> {
     let points = columns(&source.join("xyz_HOLISTIC.csv"), ["point_id", "x_coord", "y_coord", "z_coord"])?;
     let cameras = cameras(&source.join("camera_array.toml"), &upright(up(&points)))?;
-    fs::create_dir_all(folder)?;
-    fs::write(folder.join("Calib.toml"), calib_toml::write(&cameras))?;
-    for (name, text) in keypoint_files(&cameras, &keypoints(&source.join("xy_HOLISTIC.csv"))?) {
-        let path = folder.join("pose").join(name);
-        fs::create_dir_all(path.parent().unwrap_or(folder))?;
-        fs::write(path, text)?;
-    }
-    Ok(())
+    let keypoints = keypoints(&source.join("xy_HOLISTIC.csv"))?;
+    write_recording(folder, &calib_toml::write(&cameras), "pose", keypoint_files(&cameras, &keypoints))
 }
 
 /// The recording, where [`converted`] writes it.

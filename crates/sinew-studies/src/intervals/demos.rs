@@ -8,10 +8,10 @@ use crate::support::outcome::Outcome;
 use crate::support::program::Program;
 use crate::support::statistics::{mean, mean_and_error, verdict};
 use crate::support::store::{Store, numbers};
+use crate::support::table::{header, row};
 use serde_json::{Value, json};
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::formats::{tidy_csv, trc};
-use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
 
@@ -48,6 +48,9 @@ fn coordinates(folder: &Path) -> Outcome<Vec<Coordinate>> {
     Ok(found)
 }
 
+/// What the names of cells begin with.
+pub(super) const CELLS: &str = "demo";
+
 /// One demo.
 pub(super) fn cell(program: &Program, seed: u64) -> Outcome<Value> {
     let folder = program.folder.join(format!("demo-{seed}"));
@@ -74,7 +77,7 @@ pub(super) fn cell(program: &Program, seed: u64) -> Outcome<Value> {
 
 /// Means over the seeds, with standard errors.
 pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
-    let cells: Vec<&Value> = seeds.filter_map(|seed| store.get(&format!("demo/{seed}"))).collect();
+    let cells: Vec<&Value> = store.of_seeds(CELLS, seeds);
     let of = |name: &str| {
         let values: Vec<f64> = cells.iter().filter_map(|cell| cell[name].as_f64()).collect();
         let [centre, error] = mean_and_error(&values);
@@ -83,7 +86,7 @@ pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
         (centre, error, low, high)
     };
     let mut text = format!("{} demos, seeds from {}:\n\n", cells.len(), super::protocol::FIRST_SEED);
-    text += "| measure | mean over seeds | single seeds | half-width, mm | bound | |\n|---|---|---|---|---|---|\n";
+    text += &header("| measure | mean over seeds | single seeds | half-width, mm | bound | |");
     for (name, width, what) in [
         ("coverage", "half_width_mm", "inside 90 % intervals, %"),
         ("within", "within_half_width_mm", "the same, common shift taken off both, %"),
@@ -92,28 +95,28 @@ pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
         let bound = WITHIN.max(3.0 * error);
         let met = verdict((centre - NOMINAL).abs() <= bound);
         let width = of(width).0;
-        let _ = writeln!(
+        row!(
             text,
-            "| {what} | {centre:.1} ± {error:.1} | {low:.0} to {high:.0} | {width:.1} | {NOMINAL} ± {bound:.1} | {met} |"
+            "{what} | {centre:.1} ± {error:.1} | {low:.0} to {high:.0} | {width:.1} | {NOMINAL} ± {bound:.1} | {met}"
         );
     }
     let (error, spread, low, high) = of("error_mm");
-    let _ = writeln!(text, "| mean error, mm | {error:.1} ± {spread:.1} | {low:.1} to {high:.1} | | | |");
+    row!(text, "mean error, mm | {error:.1} ± {spread:.1} | {low:.1} to {high:.1} | | |");
     let shifts: Vec<f64> = cells.iter().flat_map(|cell| numbers(&cell["standard_shift"])).collect();
     let rms = mean(shifts.iter().map(|z| z * z)).sqrt();
     let inside = 100.0 * mean(shifts.iter().map(|z| f64::from(u8::from(z.abs() <= 1.645))));
-    let _ = writeln!(
+    row!(
         text,
-        "| common shift over its standard deviation | root mean square {rms:.2} | | | {inside:.0} % within 1.645 | |"
+        "common shift over its standard deviation | root mean square {rms:.2} | | | {inside:.0} % within 1.645 |"
     );
     let p = [0, 1, 2].map(|axis: usize| {
         uniformity(&shifts.iter().skip(axis).step_by(3).map(|z| normal_rank(*z)).collect::<Vec<_>>())
     });
     let least = p.iter().fold(1.0, |least: f64, p| least.min(3.0 * p));
     let met = verdict(least >= LEAST_P);
-    let _ = writeln!(
+    row!(
         text,
-        "| its ranks over the seeds uniform: p along x, y, z | {} | | | 3 × the least ≥ {LEAST_P} | {met} |",
+        "its ranks over the seeds uniform: p along x, y, z | {} | | | 3 × the least ≥ {LEAST_P} | {met}",
         p.map(shown).join(", ")
     );
     text

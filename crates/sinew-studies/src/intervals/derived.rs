@@ -9,6 +9,7 @@ use crate::support::outcome::Outcome;
 use crate::support::program::{Program, shown};
 use crate::support::statistics::{mean_and_error, verdict};
 use crate::support::store::{Store, numbers};
+use crate::support::table::{header, row, with_spread};
 use serde_json::{Map, Value, json};
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::body::{Joint, KinematicTree};
@@ -18,7 +19,6 @@ use sinew::setup::Setup;
 use sinew_simulate::adult;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::evaluation::ranks;
-use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
 
@@ -207,10 +207,12 @@ pub(super) fn cell(program: &Program, seed: u64) -> Outcome<Value> {
     Ok(found.into())
 }
 
+/// What the names of cells begin with.
+pub(super) const CELLS: &str = "derived";
+
 /// Curves of a kind of run over the seeds.
 pub(super) fn curves(store: &Store, seeds: Range<u64>, kind: &str, key: &str) -> Vec<Vec<f64>> {
-    let cells = seeds.filter_map(|seed| store.get(&format!("derived/{seed}")));
-    cells.map(|cell| numbers(&cell[kind][key])).collect()
+    store.of_seeds(CELLS, seeds).into_iter().map(|cell| numbers(&cell[kind][key])).collect()
 }
 
 /// Shares inside 90 % intervals.
@@ -219,22 +221,19 @@ pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
     let count = curves(store, seeds.clone(), "filtered", "hinges").len();
     let mut text =
         format!("{count} demos, seeds from {FIRST_DERIVED}, what follows from draws, inside 90 % intervals:\n\n");
-    text += "| what | filtered, % | with `--smooth`, % | before, filtered, % | bound | |\n|---|---|---|---|---|---|\n";
+    text += &header("| what | filtered, % | with `--smooth`, % | before, filtered, % | bound | |");
     for (key, name) in WHAT {
         let of = |kind: &str| {
             let shares: Vec<f64> =
                 curves(store, seeds.clone(), kind, key).iter().map(|curve| 100.0 * curve[nominal]).collect();
             mean_and_error(&shares)
         };
-        let [[filtered, filtered_error], [smoothed, smoothed_error], [before, before_error]] =
-            ["filtered", "smoothed", "before"].map(of);
+        let [filtered, smoothed, before] = ["filtered", "smoothed", "before"].map(of);
         // Filtered draws of different frames do not belong together.
         let judged = if key == "displacements" { vec![smoothed] } else { vec![filtered, smoothed] };
-        let met = verdict(judged.iter().all(|share| (share - NOMINAL).abs() <= DERIVED));
-        let _ = writeln!(
-            text,
-            "| {name} | {filtered:.1} ± {filtered_error:.1} | {smoothed:.1} ± {smoothed_error:.1} | {before:.1} ± {before_error:.1} | {NOMINAL} ± {DERIVED} | {met} |"
-        );
+        let met = verdict(judged.iter().all(|[share, _]| (share - NOMINAL).abs() <= DERIVED));
+        let [filtered, smoothed, before] = [filtered, smoothed, before].map(|share| with_spread(share, 1));
+        row!(text, "{name} | {filtered} | {smoothed} | {before} | {NOMINAL} ± {DERIVED} | {met}");
     }
     text
 }

@@ -8,6 +8,7 @@ use crate::support::outcome::Outcome;
 use crate::support::program::{Program, shown};
 use crate::support::statistics::{mean, median, quantile, verdict};
 use crate::support::store::{Store, rows};
+use crate::support::table::{header, row};
 use serde_json::{Value, json};
 use sinew::formats::openpose::{OpenposeOptions, OpenposePerson};
 use sinew::formats::tidy_csv;
@@ -187,9 +188,9 @@ fn row(text: &mut String, name: &str, seeds: &[Vec<Vec<f64>>], bounds: Option<[f
         Some([low, high]) => (format!("{low} to {high}"), verdict(is_in(mean(inside.iter().copied()), [low, high]))),
         None => (String::new(), ""),
     };
-    let _ = writeln!(
-        text,
-        "| {name} | {:.0} | {} | {bound} | {met} | {} | {} | {} | {:.0} | {} |",
+    row!(
+        *text,
+        "{name} | {:.0} | {} | {bound} | {met} | {} | {} | {} | {:.0} | {}",
         mean(each(&|judged| judged.len() as f64).into_iter()),
         over_seeds(&inside),
         over_seeds(&each(&|judged| share(&mut judged.iter(), 4))),
@@ -209,8 +210,9 @@ pub(super) fn table(store: &Store, recording: &Recording, seeds: Range<u64>) -> 
             text,
             "{size} cameras used, the others predicted; frames {TUNED} to {last}; mean ± standard deviation over seeds:\n"
         );
-        text += "| camera left out, used | observations | inside 90 % regions, % | bound | | own constant known, % | median error, px | 90 % of errors, px | two used cameras see it | inside, % |\n";
-        text += "|---|---|---|---|---|---|---|---|---|---|\n";
+        text += &header(
+            "| camera left out, used | observations | inside 90 % regions, % | bound | | own constant known, % | median error, px | 90 % of errors, px | two used cameras see it | inside, % |",
+        );
         let mut all: Vec<Vec<Vec<f64>>> = seeds.clone().map(|_| vec![]).collect();
         for used in sets(&recording.cameras, size) {
             let cells: Vec<&Value> = seeds.clone().filter_map(|seed| store.get(&recording.cell(&used, seed))).collect();
@@ -272,8 +274,9 @@ pub(super) fn kinds_table(store: &Store, recording: &Recording, seeds: Range<u64
         all.filter(is_own).collect()
     };
     let mut text = format!("By kind of keypoint, mean ± standard deviation over seeds, frames from {TUNED} on:\n\n");
-    text += "| keypoints | observations, 3 used | inside 90 %, % | own constant known, % | radius, px | log score | 2 used: inside, % | own constant known, % | radius, px | log score |\n";
-    text += "|---|---|---|---|---|---|---|---|---|---|\n";
+    text += &header(
+        "| keypoints | observations, 3 used | inside 90 %, % | own constant known, % | radius, px | log score | 2 used: inside, % | own constant known, % | radius, px | log score |",
+    );
     let everything: Vec<&str> = KINDS.iter().flat_map(|(_, names)| names.iter().copied()).collect();
     for (name, names) in KINDS.into_iter().chain([("**all**", everything.as_slice())]) {
         let [three, two] = [3, 2].map(|size| seeds.clone().map(|seed| judged(size, seed, names)).collect::<Vec<_>>());

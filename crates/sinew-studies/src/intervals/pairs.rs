@@ -5,11 +5,11 @@ use super::summary::over_seeds;
 use crate::support::outcome::Outcome;
 use crate::support::program::Program;
 use crate::support::statistics::{mean, verdict};
-use crate::support::store::Store;
+use crate::support::store::{Store, numbers};
+use crate::support::table::{header, row};
 use serde_json::{Value, json};
 use sinew::formats::tidy_csv;
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
 
@@ -84,8 +84,9 @@ pub(super) fn name([a, b]: [[usize; 2]; 2], seed: u64) -> String {
 pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
     let mut text =
         "Disjoint pairs of cameras, difference of the means inside its 90 % interval, all frames; mean ± standard deviation over seeds:\n\n".to_owned();
-    text += "| pairs | inside, common shift taken off, % | not taken off, % | half-width, mm | 90 % of differences, mm | spread within the runs alone: inside, % | half-width, mm | common shift, mm | bound | |\n";
-    text += "|---|---|---|---|---|---|---|---|---|---|\n";
+    text += &header(
+        "| pairs | inside, common shift taken off, % | not taken off, % | half-width, mm | 90 % of differences, mm | spread within the runs alone: inside, % | half-width, mm | common shift, mm | bound | |",
+    );
     for pairs in DISJOINT {
         let cells: Vec<&Value> = seeds.clone().filter_map(|seed| store.get(&name(pairs, seed))).collect();
         if cells.is_empty() {
@@ -94,13 +95,12 @@ pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
         let each =
             |name: &str| -> Vec<f64> { cells.iter().map(|cell| cell[name].as_f64().unwrap_or(f64::NAN)).collect() };
         let shown = |name: &str| over_seeds(&each(name));
-        let along =
-            |axis: usize| mean(cells.iter().map(|cell| crate::support::store::numbers(&cell["shift_mm"])[axis]));
+        let along = |axis: usize| mean(cells.iter().map(|cell| numbers(&cell["shift_mm"])[axis]));
         let [x, y, z] = [0, 1, 2].map(|axis: usize| format!("{:.0}", along(axis)));
         let [a, b] = pairs.map(|pair| pair.map(|camera| CAMERAS[camera]).join(" "));
-        let _ = writeln!(
+        row!(
             text,
-            "| {a} against {b} | {} | {} | {} | {} | {} | {} | {x}, {y}, {z} | ≥ {PAIRS} | {} |",
+            "{a} against {b} | {} | {} | {} | {} | {} | {} | {x}, {y}, {z} | ≥ {PAIRS} | {}",
             shown("without_shift"),
             shown("as_they_are"),
             shown("half_width_mm"),

@@ -5,14 +5,14 @@
 use super::derived;
 use super::protocol::{CURVE, RELIABILITY};
 use super::scores::scored;
-use crate::support::chart::{BLUE, GREY, Line, Names, ORANGE, finish, panel_with};
+use crate::support::chart::{self, BLUE, GREY, Line, Names, ORANGE, Panel, with_bar};
 use crate::support::outcome::Outcome;
 use crate::support::statistics::{mean_and_error, verdict};
 use crate::support::store::Store;
+use crate::support::table::{header, row};
 use plotters::prelude::*;
 use sinew_analysis::validate::ObservationTally;
 use sinew_tests::evaluation::ranks;
-use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
 
@@ -66,8 +66,9 @@ fn distance(held: &Held) -> f64 {
 /// Coverage at some levels and calibration errors; `seeds` are of runs of recordings, and of demos.
 pub(super) fn table(store: &Store, seeds: [Range<u64>; 2]) -> String {
     let mut text = format!("Reliability over {} levels, mean distance of held from stated shares:\n\n", CURVE.len());
-    text += "| what | held at 50, 80, 90, 95 %, % | calibration error, % | each camera and set with its own factor, % | before: held, % | calibration error, % | bound | |\n";
-    text += "|---|---|---|---|---|---|---|---|\n";
+    text += &header(
+        "| what | held at 50, 80, 90, 95 %, % | calibration error, % | each camera and set with its own factor, % | before: held, % | calibration error, % | bound | |",
+    );
     for Judged { name, after, before, fitted } in judged(store, seeds) {
         let held = |held: &Held| {
             let at = |level: f64| CURVE.iter().position(|known| (known - level).abs() < 1e-9).unwrap_or_default();
@@ -76,9 +77,9 @@ pub(super) fn table(store: &Store, seeds: [Range<u64>; 2]) -> String {
         let (error, error_before) = (distance(&after), distance(&before));
         let met = verdict(error <= RELIABILITY);
         let fitted = if fitted.is_empty() { String::new() } else { format!("{:.1}", distance(&fitted)) };
-        let _ = writeln!(
+        row!(
             text,
-            "| {name} | {} | {error:.1} | {fitted} | {} | {error_before:.1} | ≤ {RELIABILITY} | {met} |",
+            "{name} | {} | {error:.1} | {fitted} | {} | {error_before:.1} | ≤ {RELIABILITY} | {met}",
             held(&after),
             held(&before)
         );
@@ -92,18 +93,16 @@ pub(super) fn draw(store: &Store, seeds: [Range<u64>; 2], path: &Path) -> Outcom
     if judged.is_empty() {
         return Ok(());
     }
-    let root = SVGBackend::new(path, (400 * judged.len() as u32, 380)).into_drawing_area();
-    root.fill(&WHITE).map_err(|error| error.to_string())?;
     let line = |name: &str, colour, held: &Held| {
-        let point = |(level, [share, error]): (&f64, &[f64; 2])| {
-            [*level, *share, share - 2.0 * error, share + 2.0 * error].map(|x| 100.0 * x)
-        };
+        let point = |(level, share): (&f64, &[f64; 2])| with_bar(*level, *share).map(|x| 100.0 * x);
         Line { name: name.into(), colour, points: CURVE.iter().zip(held).map(point).collect() }
     };
     let diagonal: Held = CURVE.iter().map(|level| [*level, 0.0]).collect();
-    for (area, Judged { name, after, before, .. }) in root.split_evenly((1, judged.len())).iter().zip(&judged) {
-        let lines = [line("stated", GREY, &diagonal), line("before", ORANGE, before), line("now", BLUE, after)];
-        panel_with(area, name, ["stated, %", "held, %"], &lines, [false, false], Names::Beside(64))?;
-    }
-    finish(&root)
+    let panel = |Judged { name, after, before, .. }: &Judged| {
+        let lines = vec![line("stated", GREY, &diagonal), line("before", ORANGE, before), line("now", BLUE, after)];
+        let (title, axes) = (name.clone(), ["stated, %", "held, %"]);
+        Panel { title, axes, lines, in_decades: [false; 2], names: Names::Beside(64) }
+    };
+    let panels: Vec<Panel<'_>> = judged.iter().map(panel).collect();
+    chart::draw(path, (400 * judged.len() as u32, 380), (1, judged.len()), &panels)
 }

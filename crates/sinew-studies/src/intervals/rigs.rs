@@ -15,6 +15,7 @@ use crate::support::outcome::Outcome;
 use crate::support::program::Program;
 use crate::support::statistics::{mean_and_error, verdict};
 use crate::support::store::{Store, numbers};
+use crate::support::table::{header, row, with_spread};
 use serde_json::Value;
 use sinew::body::point_derivatives::length_names;
 use sinew_tests::drawn_rig::Rig;
@@ -70,11 +71,12 @@ fn row(name: &str, rigs: &[Vec<u32>]) -> String {
 
 /// The table, and what failed.
 pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
-    let cells: Vec<&Value> = seeds.filter_map(|seed| store.get(&name(seed))).collect();
+    let cells: Vec<&Value> = store.of_seeds(CELLS, seeds);
     let (failed, found): (Vec<&Value>, Vec<&Value>) = cells.iter().partition(|cell| cell["failed"].is_string());
     let mut text = format!("{} simulated rigs, of which {} were refused or failed:\n\n", cells.len(), failed.len());
-    text += "| numbers | a rig | inside 50 %, % | 80 | 90 | 95 | width | shift | p, one a rig | p, each | bound | |\n";
-    text += "|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+    text += &header(
+        "| numbers | a rig | inside 50 %, % | 80 | 90 | 95 | width | shift | p, one a rig | p, each | bound | |",
+    );
     for (key, name) in FAMILIES {
         let ranks = |cell: &&Value| ranks_of(cell, key);
         let rigs: Vec<Vec<u32>> = found.iter().map(ranks).filter(|ranks| !ranks.is_empty()).collect();
@@ -98,15 +100,11 @@ pub(super) fn cell_at_joints(program: &Program, seed: u64) -> Outcome<Value> {
     ranked::cell(program, &Rig::at_joints(seed)?, Path::new(&format!("rig-at-joints-{seed}")), seed)
 }
 
-/// Name of the cell of a rig.
-pub(super) fn name(seed: u64) -> String {
-    format!("rig/{seed}")
-}
+/// What the names of cells of rigs begin with.
+pub(super) const CELLS: &str = "rig";
 
-/// Name of the cell of a rig whose keypoints lie at the joints.
-pub(super) fn name_at_joints(seed: u64) -> String {
-    format!("rig at joints/{seed}")
-}
+/// The same of rigs whose keypoints lie at the joints.
+pub(super) const CELLS_AT_JOINTS: &str = "rig at joints";
 
 fn ranks_of(cell: &Value, key: &str) -> Vec<u32> {
     numbers(&cell[key]).into_iter().map(|x| x as u32).collect()
@@ -129,23 +127,20 @@ const AT_JOINTS: [(&str, &str); 4] = [
 /// # Errors
 /// Lengths without a forearm.
 pub(super) fn at_joints_table(store: &Store, seeds: Range<u64>) -> Outcome<String> {
-    let cells = |name: fn(u64) -> String| -> Vec<&Value> {
-        let both = seeds.clone().filter(|seed| store.get(&name_at_joints(*seed)).is_some());
-        both.filter_map(|seed| store.get(&name(seed))).collect()
-    };
-    let (at_joints, aside) = (cells(name_at_joints), cells(name));
+    let is_at_joints = |seed: &u64| store.get(&format!("{CELLS_AT_JOINTS}/{seed}")).is_some();
+    let [at_joints, aside] =
+        [CELLS_AT_JOINTS, CELLS].map(|kind| store.of_seeds(kind, seeds.clone().filter(is_at_joints)));
     let mut text = format!(
         "{} rigs, inside 90 % intervals, keypoints as the prior has them and at the joints:\n\n",
         at_joints.len()
     );
-    text += "| numbers | keypoints aside, with biases, % | at the joints, without, % |\n|---|---|---|\n";
+    text += &header("| numbers | keypoints aside, with biases, % | at the joints, without, % |");
     for (key, name) in AT_JOINTS {
         let held = |cells: &[&Value]| {
             let ranks = cells.iter().map(|cell| ranks_of(cell, key)).filter(|ranks| !ranks.is_empty());
-            let [share, error] = mean_and_error(&ranks.map(|ranks| share_inside(&ranks)).collect::<Vec<_>>());
-            format!("{share:.1} ± {error:.1}")
+            with_spread(mean_and_error(&ranks.map(|ranks| share_inside(&ranks)).collect::<Vec<_>>()), 1)
         };
-        let _ = writeln!(text, "| {name} | {} | {} |", held(&aside), held(&at_joints));
+        row!(text, "{name} | {} | {}", held(&aside), held(&at_joints));
     }
     let forearm = forearm()?;
     let shifted = |cells: &[&Value]| {
@@ -188,7 +183,9 @@ pub(super) fn elbow_table(store: &Store, seeds: Range<u64>) -> Outcome<String> {
     let forearm = forearm()?;
     let mut rigs: Vec<Arms> = vec![];
     for seed in seeds {
-        let Some(cell) = store.get(&name(seed)).filter(|cell| cell["angles"].is_array()) else { continue };
+        let Some(cell) = store.get(&format!("{CELLS}/{seed}")).filter(|cell| cell["angles"].is_array()) else {
+            continue;
+        };
         let rig = Rig::drawn(seed)?;
         let names: Vec<String> = limb_angles(&rig.body()).into_iter().map(|(_, name)| name).collect();
         let ranks = ranks_of(cell, "angles");
@@ -207,17 +204,18 @@ pub(super) fn elbow_table(store: &Store, seeds: Range<u64>) -> Outcome<String> {
     let mut text = String::from(
         "Angles inside 90 % intervals, and shift of the ranks of the forearm's length, by how far elbows are seen from their joints, root mean square of both:\n\n",
     );
-    text += "| third of the rigs | elbows aside, mm | upper arms, % | other limbs, % | length of the forearm, shift |\n|---|---|---|---|---|\n";
+    text += &header(
+        "| third of the rigs | elbows aside, mm | upper arms, % | other limbs, % | length of the forearm, shift |",
+    );
     for (name, third) in ["nearest", "middle", "farthest"].into_iter().zip(rigs.chunks(rigs.len().div_ceil(3).max(1))) {
         let of = |value: fn(&Arms) -> f64| mean_and_error(&third.iter().map(value).collect::<Vec<_>>());
-        let percent = |[share, error]: [f64; 2]| format!("{share:.1} ± {error:.1}");
         let [least, most] = [third.first(), third.last()].map(|arms| 1e3 * arms.map_or(f64::NAN, |arms| arms.aside_m));
         let [shift, error] = of(|arms| arms.forearm);
-        let _ = writeln!(
+        row!(
             text,
-            "| {name} | {least:.0} to {most:.0} | {} | {} | {shift:+.3} ± {error:.3} |",
-            percent(of(|arms| arms.upper_arms)),
-            percent(of(|arms| arms.other_limbs)),
+            "{name} | {least:.0} to {most:.0} | {} | {} | {shift:+.3} ± {error:.3}",
+            with_spread(of(|arms| arms.upper_arms), 1),
+            with_spread(of(|arms| arms.other_limbs), 1),
         );
     }
     Ok(text)

@@ -13,6 +13,7 @@ use crate::support::outcome::Outcome;
 use crate::support::program::Program;
 use crate::support::statistics::{mean, quantile, verdict};
 use crate::support::store::{Store, rows};
+use crate::support::table::header;
 use serde_json::{Map, Value, json};
 use sinew::formats::layout;
 use sinew::observe::Camera;
@@ -160,8 +161,9 @@ pub(super) fn table(store: &Store, seeds: &Range<u64>) -> String {
             text,
             "{size} cameras used, log scores of what the others see; frames {TUNED} to 99, all seeds:\n"
         );
-        text += "| camera left out, used | log score | before | before, widened | inside 90 % regions before, % | widened | |\n";
-        text += "|---|---|---|---|---|---|---|\n";
+        text += &header(
+            "| camera left out, used | log score | before | before, widened | inside 90 % regions before, % | widened | |",
+        );
         let Some(scored) = scored(store, size, seeds.clone()) else { continue };
         let Scored { after, before, widened, factor, cameras, .. } = scored;
         let row = |name: &str, [after, before, widened]: &[ObservationTally; 3], is_judged: bool| {

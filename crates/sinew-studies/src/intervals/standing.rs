@@ -12,8 +12,9 @@
 use super::angles::{Angles, shares, tallied, true_angles, written};
 use super::protocol::{FIRST_ANGLES, LAYOUT};
 use crate::support::outcome::Outcome;
-use crate::support::program::{Program, shown};
+use crate::support::program::{Program, shown, write_recording};
 use crate::support::store::Store;
+use crate::support::table::header;
 use serde_json::{Value, json};
 use sinew::body::Proportions;
 use sinew::core::random::Stage;
@@ -46,17 +47,6 @@ fn resting_otherwise(sizes: Proportions) -> Proportions {
     Proportions { heel, big_toe, small_toe, nose, eye, ear, head_top, ..sizes }
 }
 
-/// Writes a recording as files that the program reads.
-fn write(recording: &SyntheticRecording, folder: &Path) -> Outcome<()> {
-    for camera in &recording.cameras {
-        fs::create_dir_all(folder.join(format!("keypoints/{}_json", camera.name)))?;
-    }
-    for (name, text) in recording.keypoint_files() {
-        fs::write(folder.join("keypoints").join(name), text)?;
-    }
-    Ok(fs::write(folder.join("Calib.toml"), recording.calibration_toml())?)
-}
-
 /// True angles less their mean over the standing second, but OpenSim's of the pelvis, which depend on the heading.
 fn zeroed(truth: &[Angles]) -> Vec<Angles> {
     let zero = |name: &str| {
@@ -80,7 +70,7 @@ pub(super) fn cell(program: &Program, seed: u64) -> Outcome<Value> {
     let truth: Vec<Angles> =
         recording.states.iter().map(|state| true_angles(&recording.body, state)).collect::<Outcome<_>>()?;
     let folder = program.folder.join(format!("standing-{seed}"));
-    write(&recording, &folder)?;
+    write_recording(&folder, &recording.calibration_toml(), "keypoints", recording.keypoint_files())?;
     let [calibration, keypoints] = ["Calib.toml", "keypoints"].map(|name| shown(&folder.join(name)));
     let (rate, seed) = (script.rate_hz.to_string(), seed.to_string());
     let files = ["--calibration", &calibration, "--keypoints", &keypoints, "--layout", LAYOUT, "--fps", &rate];
@@ -103,21 +93,18 @@ pub(super) fn cell(program: &Program, seed: u64) -> Outcome<Value> {
     Ok(found)
 }
 
-/// Name of a seed's cell.
-pub(super) fn name(seed: u64) -> String {
-    format!("standing/{seed}")
-}
+/// What the names of cells begin with.
+pub(super) const CELLS: &str = "standing";
 
 /// Angles with and without a standing trial.
 pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
-    let cells: Vec<&Value> = seeds.filter_map(|seed| store.get(&name(seed))).collect();
+    let cells: Vec<&Value> = store.of_seeds(CELLS, seeds);
     let mut text = format!(
         "{} walkers, seeds from {FIRST_ANGLES}, whose soles rest {SOLE_DEG}° and whose faces rest {FACE_DEG}° from the body's zero:\n\n",
         cells.len()
     );
     let head = "inside 90 % intervals, % | mean error, ° | half-width, ° ";
-    let _ = writeln!(text, "| angles that are seen | without `--static`: {head}| with it: {head}|");
-    text += "|---|---|---|---|---|---|---|\n";
+    text += &header(&format!("| angles that are seen | without `--static`: {head}| with it: {head}|"));
     for (what, wanted) in [
         ("`ankle_angle`", Some("ankle_angle")),
         ("`foot_ry`", Some("foot_ry")),

@@ -9,7 +9,8 @@ use super::rigs;
 use crate::support::outcome::Outcome;
 use crate::support::program::{Program, shown};
 use crate::support::statistics::{mean, quantile};
-use crate::support::store::Store;
+use crate::support::store::{Store, numbers};
+use crate::support::table::{header, row};
 use serde_json::{Map, Value, json};
 use sinew::body::KinematicTree;
 use sinew::body::point_derivatives::lengthened;
@@ -18,7 +19,6 @@ use sinew::setup::{MeasuredErrors, Setup};
 use sinew_tests::drawn_rig::Rig;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
-use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
@@ -150,21 +150,15 @@ pub(super) fn rig_cell(program: &Program, seed: u64) -> Outcome<Value> {
     Ok(found)
 }
 
-/// Names of the cells.
-pub(super) fn recording_name(seed: u64) -> String {
-    format!("straight/recording/{seed}")
-}
+/// What the names of cells begin with, of the recording and of rigs.
+pub(super) const RECORDINGS: &str = "straight/recording";
+pub(super) const RIGS: &str = "straight/rig";
 
-pub(super) fn rig_name(seed: u64) -> String {
-    format!("straight/rig/{seed}")
-}
-
-fn row(name: &str, cells: &[&Value]) -> String {
-    let mean_of = |key: &str, k: usize| {
-        mean(cells.iter().map(|cell| crate::support::store::numbers(&cell[key]).get(k).copied().unwrap_or(f64::NAN)))
-    };
+fn add(text: &mut String, name: &str, cells: &[&Value]) {
+    let mean_of =
+        |key: &str, k: usize| mean(cells.iter().map(|cell| numbers(&cell[key]).get(k).copied().unwrap_or(f64::NAN)));
     let both = FAMILIES.map(|(key, _)| format!("{:.2}, {:.2}", mean_of(key, 0), mean_of(key, 1))).join(" | ");
-    format!("| {name} | {} | {both} |\n", cells.len())
+    row!(*text, "{name} | {} | {both}", cells.len());
 }
 
 /// What the straight line leaves out of the recording, and of rigs by how far elbows are seen from their joints.
@@ -176,12 +170,12 @@ pub(super) fn table(store: &Store, runs: Range<u64>, rigs: Range<u64>) -> Outcom
         "What draws that answer in a straight line leave out, in standard deviations, median and 90th percentile, means over set-ups; {OWN} draws of g of each:\n\n"
     );
     let names = FAMILIES.map(|(_, name)| name).join(" | ");
-    let _ = writeln!(text, "| set-ups | how many | {names} |\n|---|---|---|---|---|---|");
-    let recording: Vec<&Value> = runs.filter_map(|seed| store.get(&recording_name(seed))).collect();
-    text += &row("real recording", &recording);
+    text += &header(&format!("| set-ups | how many | {names} |"));
+    let recording: Vec<&Value> = store.of_seeds(RECORDINGS, runs);
+    add(&mut text, "real recording", &recording);
     let mut found: Vec<(f64, &Value)> = vec![];
     for seed in rigs {
-        if let Some(cell) = store.get(&rig_name(seed)) {
+        if let Some(cell) = store.get(&format!("{RIGS}/{seed}")) {
             found.push((Rig::drawn(seed)?.aside("Elbow"), cell));
         }
     }
@@ -189,7 +183,7 @@ pub(super) fn table(store: &Store, runs: Range<u64>, rigs: Range<u64>) -> Outcom
     for third in found.chunks(found.len().div_ceil(3).max(1)) {
         let [least, most] = [third.first(), third.last()].map(|rig| 1e3 * rig.map_or(f64::NAN, |rig| rig.0));
         let cells: Vec<&Value> = third.iter().map(|(_, cell)| *cell).collect();
-        text += &row(&format!("rigs, elbows {least:.0} to {most:.0} mm aside"), &cells);
+        add(&mut text, &format!("rigs, elbows {least:.0} to {most:.0} mm aside"), &cells);
     }
     Ok(text)
 }

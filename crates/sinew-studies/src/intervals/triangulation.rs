@@ -7,11 +7,11 @@ use super::summary::over_seeds;
 use crate::support::outcome::Outcome;
 use crate::support::program::Program;
 use crate::support::statistics::mean;
-use crate::support::store::Store;
+use crate::support::store::{Store, numbers};
+use crate::support::table::{header, row};
 use serde_json::{Map, Value, json};
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::formats::{tidy_csv, trc};
-use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
 
@@ -67,25 +67,20 @@ pub(super) fn cell(program: &Program, recording: &Recording, seed: u64) -> Outco
     Ok(all.into())
 }
 
-/// Name of the cell of a run.
-pub(super) fn name(seed: u64) -> String {
-    format!("triangulation/{seed}")
-}
+/// What the names of cells begin with.
+pub(super) const CELLS: &str = "triangulation";
 
 /// The table, for runs of some seeds.
 pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
-    let cells: Vec<&Value> = seeds.filter_map(|seed| store.get(&name(seed))).collect();
+    let cells: Vec<&Value> = store.of_seeds(CELLS, seeds);
     let mut text = "Coordinates that another program triangulated, inside 90 % intervals; mean ± standard deviation over seeds:\n\n".to_owned();
-    text += "| points | intervals of | inside, % | mean difference taken off, % |\n|---|---|---|---|\n";
+    text += &header("| points | intervals of | inside, % | mean difference taken off, % |");
     for (_, file) in FILES {
         for (.., about) in TABLES {
             let shares = |k: usize| -> Vec<f64> {
-                cells
-                    .iter()
-                    .map(|cell| crate::support::store::numbers(&cell[format!("{file}, {about}").as_str()])[k])
-                    .collect()
+                cells.iter().map(|cell| numbers(&cell[format!("{file}, {about}").as_str()])[k]).collect()
             };
-            let _ = writeln!(text, "| {file} | {about} | {} | {} |", over_seeds(&shares(0)), over_seeds(&shares(1)));
+            row!(text, "{file} | {about} | {} | {}", over_seeds(&shares(0)), over_seeds(&shares(1)));
         }
     }
     text

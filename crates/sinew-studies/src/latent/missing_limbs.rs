@@ -10,7 +10,7 @@ mod contenders;
 mod pilot;
 mod tables;
 
-use crate::support::outcome::{Outcome, exit_code};
+use crate::support::outcome::Outcome;
 use crate::support::store::{Store, Task, run_all};
 use crate::support::study_options::StudyOptions;
 use contenders::{Contender, LATENT, Latent, REFERENCES};
@@ -22,14 +22,10 @@ use sinew_tests::missing_limbs::task::Task as Limb;
 use sinew_tests::missing_limbs::{Benchmark, LEG};
 use std::ops::Range;
 use std::path::Path;
-use std::process::ExitCode;
 
 /// Fills in missing limbs, first of training sequences, then of the test sequence.
 #[derive(clap::Args)]
 pub(crate) struct Args {
-    /// The pilot alone
-    #[arg(long)]
-    pilot: bool,
     #[command(flatten)]
     options: StudyOptions,
 }
@@ -79,7 +75,8 @@ fn tasks(benchmark: &Benchmark) -> Vec<Task<'_>> {
     tasks
 }
 
-fn measure(root: &Path, args: &Args) -> Outcome<()> {
+/// Runs the command.
+pub(crate) fn run(root: &Path, args: &Args) -> Outcome<()> {
     let data = args.options.data(root);
     let benchmark = Benchmark::read(&data.join("mocap35_missing"))?;
     let folder = args.options.folder(root, "missing-limbs")?;
@@ -88,25 +85,18 @@ fn measure(root: &Path, args: &Args) -> Outcome<()> {
     let pilot = Pilot::read(&store);
     let (model, rows) = pilot.chosen()?;
     let mut text = tables::pilot(&pilot);
-    if !args.pilot {
-        let name = format!("test/{}/{rows:?}", model.name);
-        let last = || -> Outcome<Value> {
-            let learned = latent::learn(&benchmark.published(&LEG).training, &model.config)?;
-            let of = |(_, limb): &(&str, Range<usize>)| {
-                Ok(latent_score(&benchmark, &learned, &benchmark.published(limb), rows)?.to_json())
-            };
-            Ok(json!(LIMBS.iter().map(of).collect::<Outcome<Vec<_>>>()?))
+    let name = format!("test/{}/{rows:?}", model.name);
+    let last = || -> Outcome<Value> {
+        let learned = latent::learn(&benchmark.published(&LEG).training, &model.config)?;
+        let of = |(_, limb): &(&str, Range<usize>)| {
+            Ok(latent_score(&benchmark, &learned, &benchmark.published(limb), rows)?.to_json())
         };
-        run_all(&mut store, "test sequence", vec![(name.clone(), 1.0, Box::new(last))], 1)?;
-        let found = store.get(&name).cloned().unwrap_or_default();
-        text += &tables::test(model, rows, &[0, 1].map(|k| Score::from_json(&found[k])));
-    }
+        Ok(json!(LIMBS.iter().map(of).collect::<Outcome<Vec<_>>>()?))
+    };
+    run_all(&mut store, "test sequence", vec![(name.clone(), 1.0, Box::new(last))], 1)?;
+    let found = store.get(&name).cloned().unwrap_or_default();
+    text += &tables::test(model, rows, &[0, 1].map(|k| Score::from_json(&found[k])));
     std::fs::write(folder.join("tables.md"), &text)?;
     println!("{text}");
     Ok(())
-}
-
-/// Runs the command.
-pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
-    exit_code(measure(root, args))
 }

@@ -1,13 +1,13 @@
 //! `cargo xtask study oil-flow`: GPLVMs of the oil flow data from five starts, the table of docs/evidence/latent.md.
 
-use crate::support::outcome::{Outcome, exit_code};
+use crate::support::outcome::Outcome;
+use crate::support::table::{header, row};
 use sinew::core::lanes::Isa;
 use sinew::latent::training::{Config, Training};
 use sinew_tests::data;
 use sinew_tests::oil_flow::OilFlow;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::time::Instant;
 
 /// What to run.
@@ -27,21 +27,17 @@ const VARIANCE: f64 = 0.1;
 const STEPS: usize = 10_000;
 
 /// Runs the command.
-pub fn run(root: &Path, args: &Args) -> ExitCode {
-    exit_code(measure(&args.out.clone().unwrap_or_else(|| root.join("target/oil-flow"))))
-}
-
-fn measure(out: &Path) -> Outcome<()> {
+pub fn run(root: &Path, args: &Args) -> Outcome<()> {
+    let out = args.out.clone().unwrap_or_else(|| root.join("target/oil-flow"));
     let folder = data::folder().join("oil_flow");
-    let mut table = String::from(
-        "| rows | start | log likelihood | above GPy's | nearest-neighbour errors | steps | time, s |\n|--:|---|--:|--:|--:|--:|--:|\n",
-    );
+    let mut table =
+        header("| >rows | start | >log likelihood | >above GPy's | >nearest-neighbour errors | >steps | >time, s |");
     for (count, gpy, gpy_errors) in SIZES {
         let oil = OilFlow::read(&folder, count)?;
         let model = oil.model()?;
         let errors = oil.neighbour_errors(&model.nodes[0].latents);
-        writeln!(table, "| {count} | principal components alone | | | {errors} | | |")?;
-        writeln!(table, "| {count} | GPy | {gpy:.2} | | {gpy_errors} | | |")?;
+        row!(table, "{count} | principal components alone | | | {errors} | |");
+        row!(table, "{count} | GPy | {gpy:.2} | | {gpy_errors} | |");
         for factor in STARTS {
             let mut start = model.clone();
             start.nodes[0].latents.iter_mut().for_each(|x| *x *= factor);

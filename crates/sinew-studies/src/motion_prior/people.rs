@@ -1,11 +1,10 @@
 //! Walks that are tracked, each on a fitted body, and the motion model learned from others.
 
 use crate::support::outcome::Outcome;
+use crate::support::primitives::{Lesson, learned};
 use sinew::body::{KinematicTree, Proportions};
 use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;
-use sinew::dynamics::primitives::file;
-use sinew::dynamics::primitives::learning::{Config, TrainingMotion, learn_feature, noise_sd};
 use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::formats::{amc, asf};
 use sinew::latent::file::{LatentKind, StoredModel};
@@ -14,7 +13,7 @@ use sinew::latent::training::{self, Training};
 use sinew_body::points::Trajectories;
 use sinew_motion::cmu;
 use sinew_motion::follow::NamedBody;
-use sinew_motion::learn::features::{feature_vectors, pose_coordinates};
+use sinew_motion::learn::features::pose_coordinates;
 use sinew_motion::learn::selection::{ChosenRows, first_phases, middles};
 use sinew_motion::learn::sequences::{Acclaim, Sequences, sequences};
 use sinew_motion::retarget::retarget;
@@ -152,28 +151,15 @@ const LATENT_ROWS: usize = 400;
 
 /// The model of the whole body of all training trials but some, from its file where there is one.
 fn primitives(path: &Path, data: &Path, without: &[&str]) -> Outcome<PrimitiveModel> {
-    let name = path.display().to_string();
-    if let Ok(text) = std::fs::read_to_string(path) {
-        return Ok(file::read(&name, &text)?);
-    }
-    let body = NamedBody::H32;
-    let mut states = vec![];
-    for (folder, trials) in TRAINING {
-        let files = training_files(data, folder, trials, without);
-        let acclaim = Acclaim { hz: Some(folder.recorded_hz), ..Acclaim::default() };
-        states.extend(sequences_of(&files, acclaim)?.states);
-    }
-    let mut config = Config { length: LENGTH, ..Config::default() };
-    config.mixture.components = CLUSTERS;
-    let (state, dim) = (body.name(), body.tree().dof());
-    let motion =
-        TrainingMotion { state, dim, frame_rate: RATE_HZ, sequences: &states, horizontal: &NamedBody::HORIZONTAL };
-    let noise_sd = noise_sd(&motion, &config)?;
-    let stage = Stage::new(1, "motion prior models");
-    let learn = |(index, feature)| learn_feature(&motion, feature, &noise_sd, &config, stage.round(index), &mut |_| {});
-    let features = feature_vectors(body);
-    let primitives = features.iter().enumerate().map(learn).collect::<Result<Vec<_>, _>>()?;
-    let model = PrimitiveModel { state: state.into(), dim, frame_rate: RATE_HZ, length: LENGTH, noise_sd, primitives };
-    std::fs::write(path, file::write(&name, &model)?)?;
-    Ok(model)
+    let states = || {
+        let mut states = vec![];
+        for (folder, trials) in TRAINING {
+            let files = training_files(data, folder, trials, without);
+            let acclaim = Acclaim { hz: Some(folder.recorded_hz), ..Acclaim::default() };
+            states.extend(sequences_of(&files, acclaim)?.states);
+        }
+        Ok(states)
+    };
+    let lesson = Lesson { body: NamedBody::H32, rate_hz: RATE_HZ, length: LENGTH, clusters: CLUSTERS };
+    learned(path, &lesson, Stage::new(1, "motion prior models"), states)
 }

@@ -1,8 +1,8 @@
 //! What stored series come to: means, and the judgement by criteria that were set before.
 
 use super::scene::{CONTENDERS, Contender, Known, LEVELS, SCENES, Scene, Series};
+use crate::support::table::{header, row, with_spread};
 use sinew_tests::finding::mean_and_error;
-use std::fmt::Write as _;
 
 /// One-sided 95 % of a normal distribution, in standard errors.
 const ONE_SIDED: f64 = 1.645;
@@ -15,8 +15,7 @@ const DISAGREEING: f64 = 0.05;
 pub(super) type Found<'a> = dyn Fn(Scene, Contender) -> Vec<Series> + 'a;
 
 fn shown(values: &[f64], factor: f64, decimals: usize) -> String {
-    let [mean, error] = mean_and_error(values).map(|x| factor * x);
-    format!("{mean:.decimals$} ± {error:.decimals$}")
+    with_spread(mean_and_error(values).map(|x| factor * x), decimals)
 }
 
 fn of(series: &[Series], value: impl Fn(&Series) -> f64) -> Vec<f64> {
@@ -25,8 +24,8 @@ fn of(series: &[Series], value: impl Fn(&Series) -> f64) -> Vec<f64> {
 
 /// Means over walks and seeds, with standard errors.
 pub(super) fn measured(found: &Found<'_>) -> String {
-    let mut text = String::from(
-        "| scene | prior | series | error, mm | covered by 50 % | covered by 90 % | frames above 1.05, % | median R-hat | ms a frame | runs that doubt |\n|---|---|---|---|---|---|---|---|---|---|\n",
+    let mut text = header(
+        "| scene | prior | series | error, mm | covered by 50 % | covered by 90 % | frames above 1.05, % | median R-hat | ms a frame | runs that doubt |",
     );
     for scene in SCENES {
         for contender in CONTENDERS {
@@ -36,9 +35,9 @@ pub(super) fn measured(found: &Found<'_>) -> String {
             }
             let covered: Vec<String> =
                 (0..LEVELS.len()).map(|level| shown(&of(&all, |s| s.covered[level]), 100.0, 1)).collect();
-            let _ = writeln!(
+            row!(
                 text,
-                "| {} | {} | {} | {} | {} | {} | {} | {} | {} |",
+                "{} | {} | {} | {} | {} | {} | {} | {} | {}",
                 scene.name(),
                 contender.name(),
                 all.len(),
@@ -56,8 +55,8 @@ pub(super) fn measured(found: &Found<'_>) -> String {
 
 /// Whether a learned prior helps where: error below that of the walk with the same form, intervals right, chains in agreement.
 pub(super) fn judged(found: &Found<'_>) -> String {
-    let mut text = String::from(
-        "| scene | learned prior | error less the walk's, mm | lower error | 90 % intervals | chains agree | all three |\n|---|---|---|---|---|---|---|\n",
+    let mut text = header(
+        "| scene | learned prior | error less the walk's, mm | lower error | 90 % intervals | chains agree | all three |",
     );
     for scene in SCENES {
         for contender in CONTENDERS.into_iter().filter(|contender| contender.known != Known::Walk) {
@@ -75,9 +74,9 @@ pub(super) fn judged(found: &Found<'_>) -> String {
                 disagreeing <= DISAGREEING,
             ];
             let words = |passed: bool| if passed { "yes" } else { "no" };
-            let _ = writeln!(
+            row!(
                 text,
-                "| {} | {} | {difference:.2} ± {error:.2} | {} | {} |",
+                "{} | {} | {difference:.2} ± {error:.2} | {} | {}",
                 scene.name(),
                 contender.name(),
                 passed.map(words).join(" | "),

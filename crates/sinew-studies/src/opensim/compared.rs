@@ -2,6 +2,7 @@
 
 use crate::support::outcome::Outcome;
 use crate::support::statistics::mean;
+use crate::support::table::{header, row};
 use sinew::formats::mot::{self, Mot};
 use std::fmt::Write as _;
 use std::fs;
@@ -151,9 +152,8 @@ fn correlated(value: f64) -> String {
 
 /// The table of markers: where they are from the model's joints, and how far the fit leaves them away.
 pub(super) fn markers(fit: &Path) -> Outcome<String> {
-    let mut text = String::from(
-        "| marker | forward of the joint's centre, mm | above, mm | to the right, mm | left by the fit, mm |\n|---|---|---|---|---|\n",
-    );
+    let mut text =
+        header("| marker | forward of the joint's centre, mm | above, mm | to the right, mm | left by the fit, mm |");
     let path = fit.join("fit.csv");
     for line in fs::read_to_string(&path)?.lines().skip(1) {
         let [name, rms, offsets @ ..] = &line.split(',').collect::<Vec<_>>()[..] else {
@@ -162,16 +162,15 @@ pub(super) fn markers(fit: &Path) -> Outcome<String> {
         let number = |cell: &&str| cell.trim().parse().map_or("—".into(), signed);
         let offsets: Vec<String> = offsets.iter().map(number).collect();
         let rms: f64 = rms.parse()?;
-        let _ = writeln!(text, "| {name} | {} | {rms:.1} |", offsets.join(" | "));
+        row!(text, "{name} | {} | {rms:.1}", offsets.join(" | "));
     }
     Ok(text)
 }
 
 /// The table of a person, over seeds.
 pub(super) fn table(seeds: &[Compared]) -> String {
-    let mut text = String::from(
-        "| coordinate | bias | spread | r | our sd | by definition | by fit | rest, markers | rest, joints |\n|---|---|---|---|---|---|---|---|---|\n",
-    );
+    let mut text =
+        header("| coordinate | bias | spread | r | our sd | by definition | by fit | rest, markers | rest, joints |");
     for (place, (name, ..)) in ROWS.iter().enumerate() {
         let rows: Vec<Row> = seeds.iter().filter_map(|seed| seed.0[place]).collect();
         if rows.is_empty() {
@@ -182,9 +181,9 @@ pub(super) fn table(seeds: &[Compared]) -> String {
             let values: Vec<f64> = rows.iter().filter_map(value).collect();
             if values.is_empty() { "—".into() } else { signed(mean(&values)) }
         };
-        let _ = writeln!(
+        row!(
             text,
-            "| {name} | {} | {:.1} | {} | {:.1} | {} | {} | {} | {} |",
+            "{name} | {} | {:.1} | {} | {:.1} | {} | {} | {} | {}",
             over_seeds(&rows.iter().map(|row| row.bias).collect::<Vec<_>>()),
             usual(|row| row.spread),
             correlated(usual(|row| row.correlation)),
@@ -200,9 +199,8 @@ pub(super) fn table(seeds: &[Compared]) -> String {
 
 /// The table of inverse kinematics beside others of the same motion.
 pub(super) fn variation(usual: &Angles, others: &[Angles; 2]) -> String {
-    let mut text = String::from(
-        "| coordinate | Pose2Sim's markers: bias | spread | r | model with muscles: bias | spread | r |\n|---|---|---|---|---|---|---|\n",
-    );
+    let mut text =
+        header("| coordinate | Pose2Sim's markers: bias | spread | r | model with muscles: bias | spread | r |");
     for (name, ours, theirs) in ROWS {
         let Some(usual) = usual.column(theirs).filter(|_| ours.len() == 1) else { continue };
         let _ = write!(text, "| {name} |");

@@ -27,7 +27,6 @@ use crate::support::outcome::Outcome;
 use crate::support::store::Store;
 use crate::support::study_options::{StudyOptions, no_recordings};
 use film::{Film, Row};
-use serde_json::json;
 use sinew::core::lanes::Isa;
 use std::path::Path;
 use std::process::ExitCode;
@@ -87,9 +86,7 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
         walks.test.name
     );
     let judged = expectations::judge(&study)?;
-    let described =
-        json!({ "walk": walks.test.name, "fit_mm": [absolute, relative], "scale": walks.test.scale, "sd": walks.sd });
-    tables::write(&study, &judged, &described, &folder)?;
+    tables::write(&study, &judged, &folder)?;
     figures::draw(&study, &folder)?;
     println!("{}", tables::expectations(&judged));
     println!("{:.0} s; cells, tables and figures in {}", clock.elapsed().as_secs_f64(), folder.display());
@@ -106,7 +103,6 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::papers::reduced_size;
 
     /// The whole command in a reduced size: files are written, annealed sets are too narrow and filters' sets are not, parts need what the laws say, and the walk is followed.
@@ -115,7 +111,6 @@ mod tests {
         reduced_size::holds(
             "annealing",
             &["cells.jsonl", "expectations.md", "coverage.svg", "partitions.svg", "film.csv"],
-            |options| run(crate::support::root(), &Args { quick: true, only: vec![], seeds: None, seed: 1, options }),
         );
     }
 }

@@ -31,7 +31,9 @@ use super::seed_results::Results;
 use crate::support::outcome::Outcome;
 use crate::support::store::Store;
 use crate::support::study_options::StudyOptions;
+use crate::support::table::{header, row};
 use contender::{Contender, Method, Motion, PRINTED};
+use coverage::COVERAGE;
 use motions::{FAST_HZ, RATE_HZ};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -45,9 +47,6 @@ pub(super) struct Args {
     /// Follow a walk of training that nothing was learned from, with three seeds, to see whether anybody is followed at all
     #[arg(long)]
     pilot: bool,
-    /// Only rows of the pilot whose name has this in it
-    #[arg(long, requires = "pilot")]
-    only: Option<String>,
     /// A reduced size in half a minute
     #[arg(long, conflicts_with = "pilot")]
     quick: bool,
@@ -72,16 +71,16 @@ fn reduced(
     (folder, threads): (&Path, usize),
 ) -> Outcome<ExitCode> {
     const QUICK_SERIES: usize = 4;
-    coverage::run(store, QUICK_SERIES, threads)?;
+    COVERAGE.run(store, QUICK_SERIES, threads)?;
     study.run_all(store, contenders, 1, threads)?;
     let results = Results { store, seeds: 1, block: RATE_HZ as usize };
     let mut errors = vec![];
-    let mut text = format!("## {}\n\n| method | absolute error, mm |\n|---|--:|\n", QUICK.name());
+    let mut text = format!("## {}\n\n", QUICK.name()) + &header("| method | >absolute error, mm |");
     for Contender { method, .. } in contenders {
         errors.push(results.over(*method, &[QUICK], "/absolute")?.value);
-        let _ = writeln!(text, "| {} | {:.0} |", method.name(), errors[errors.len() - 1]);
+        row!(text, "{} | {:.0}", method.name(), errors[errors.len() - 1]);
     }
-    let _ = writeln!(text, "\n## Coverage\n\n{}", coverage::table(store, QUICK_SERIES)?);
+    let _ = writeln!(text, "\n## Coverage\n\n{}", COVERAGE.table(store, QUICK_SERIES)?);
     std::fs::write(folder.join("tables.md"), &text)?;
     figures::walk(&results, (QUICK, contenders), folder)?;
     println!("{text}\ntables and figure in {}", folder.display());
@@ -113,7 +112,7 @@ fn report(study: &Study, store: &Store, seeds: u64) -> Outcome<[String; 2]> {
         ("Runs at 15 frames a second", tables::on_runs(&results)?),
         ("Models", tables::models(lessons())?),
         ("Noise of the place", tables::noise(lessons())),
-        ("Coverage", coverage::table(store, SERIES)?),
+        ("Coverage", COVERAGE.table(store, SERIES)?),
     ];
     for (title, table) in tables {
         let _ = writeln!(text, "## {title}\n\n{table}");
@@ -129,7 +128,7 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let folder = args.options.folder(root, name)?;
     let threads = args.options.threads();
     if args.pilot {
-        let text = pilot::pilot(&data, &folder, args.only.as_deref(), threads)?;
+        let text = pilot::pilot(&data, &folder, threads)?;
         std::fs::write(folder.join("pilot.md"), &text)?;
         println!("{text}");
         return Ok(ExitCode::SUCCESS);
@@ -141,7 +140,7 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     if args.quick {
         return reduced(&study, &mut store, &contenders, (&folder, threads));
     }
-    coverage::run(&mut store, SERIES, threads)?;
+    COVERAGE.run(&mut store, SERIES, threads)?;
     study.run_all(&mut store, &contenders, args.seeds, threads)?;
     let [tables, claims] = report(&study, &store, args.seeds)?;
     std::fs::write(folder.join("tables.md"), &tables)?;
@@ -155,7 +154,6 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::papers::reduced_size;
 
     /// The whole command in a reduced size: on a walk the hierarchy is nearer than CONDENSATION.
@@ -164,8 +162,6 @@ mod tests {
         if sinew_tests::data::shared("cmu_amc_35").is_none() {
             return;
         }
-        reduced_size::holds("h-apf", &["tables.md", "figure-1.svg"], |options| {
-            run(crate::support::root(), &Args { pilot: false, quick: true, only: None, seeds: 1, options })
-        });
+        reduced_size::holds("h-apf", &["tables.md", "figure-1.svg"]);
     }
 }

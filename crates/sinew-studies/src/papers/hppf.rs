@@ -29,7 +29,9 @@ use crate::support::outcome::Outcome;
 use crate::support::statistics::mean;
 use crate::support::store::Store;
 use crate::support::study_options::StudyOptions;
+use crate::support::table::{header, row};
 use contender::{Motion, on};
+use coverage::COVERAGE;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::process::ExitCode;
@@ -42,9 +44,6 @@ pub(super) struct Args {
     /// Follow training motion instead, with three seeds, to see whether anybody is followed at all
     #[arg(long)]
     pilot: bool,
-    /// Only variants of the pilot whose name has this in it
-    #[arg(long, requires = "pilot")]
-    only: Option<String>,
     /// A reduced size in half a minute
     #[arg(long, conflicts_with = "pilot")]
     quick: bool,
@@ -69,19 +68,19 @@ fn reduced(study: &Study, store: &mut Store, folder: &Path, threads: usize) -> O
     const QUICK_SERIES: usize = 8;
     let [usual, random, mean_pose] =
         [contender::USUAL, contender::OPPONENTS[0], contender::REFERENCES[0]].map(|m| on(m, Motion::Walk));
-    coverage::run(store, QUICK_SERIES, threads)?;
+    COVERAGE.run(store, QUICK_SERIES, threads)?;
     study.run_all(store, &[usual, random, mean_pose], 1, threads)?;
     let results = Results { store, seeds: 1, block: motions::RATE_HZ as usize };
-    let mut text = format!("## {}\n\n| method | absolute error, mm | kept |\n|---|--:|---|\n", Motion::Walk.name());
+    let mut text = format!("## {}\n\n", Motion::Walk.name()) + &header("| method | >absolute error, mm | kept |");
     let mut found = vec![];
     for contender in [usual, random, mean_pose] {
         let (error, kept) = (results.mean(&contender, "/absolute", None)?.value, results.kept(&contender)?.1 == 1);
-        let _ = writeln!(text, "| {} | {error:.0} | {} |", contender.method.name(), if kept { "yes" } else { "no" });
+        row!(text, "{} | {error:.0} | {}", contender.method.name(), if kept { "yes" } else { "no" });
         found.push((error, kept));
     }
-    let _ = writeln!(text, "\n## Coverage\n\n{}", coverage::table(store, QUICK_SERIES)?);
+    let _ = writeln!(text, "\n## Coverage\n\n{}", COVERAGE.table(store, QUICK_SERIES)?);
     std::fs::write(folder.join("tables.md"), &text)?;
-    let figure = figures::actions(store, &study.scene(Motion::Walk).tree, Motion::Walk)?;
+    let figure = figures::actions(store, &study.scenes[&Motion::Walk].tree, Motion::Walk)?;
     std::fs::write(folder.join("figure-actions.svg"), figure)?;
     println!("{text}\ntables and figure in {}", folder.display());
     println!("reduced size: verdicts need the full run; asserted is that the walk is kept and nearer than at random");
@@ -90,13 +89,13 @@ fn reduced(study: &Study, store: &mut Store, folder: &Path, threads: usize) -> O
 
 /// Tables and claims as Markdown, the claims alone second.
 fn report(study: &Study, results: &Results<'_>) -> Outcome<[String; 2]> {
-    let fits = study.training_errors_m().iter().map(|(_, error)| 1e3 * error).collect::<Vec<f64>>();
+    let fits = study.training.errors_m.iter().map(|(_, error)| 1e3 * error).collect::<Vec<f64>>();
     let claims = super::claim::table(&claims::judge(results, study)?);
     let mut text = format!(
         "Fit of the body to the joints, mm: training {:.1} on average; {}\n\n",
         mean(&fits),
         contender::PRINTED
-            .map(|motion| format!("{} {:.1}", motion.name(), 1e3 * study.scene(motion).fit_error_m))
+            .map(|motion| format!("{} {:.1}", motion.name(), 1e3 * study.scenes[&motion].fit_error_m))
             .join(", ")
     );
     let tables = [
@@ -106,7 +105,7 @@ fn report(study: &Study, results: &Results<'_>) -> Outcome<[String; 2]> {
         ("Table 4", tables::table_4(results)?),
         ("Ablations and opponents on CMB", tables::beside(results)?),
         ("Test trials", tables::trials(results)?),
-        ("Coverage", coverage::table(results.store, SERIES)?),
+        ("Coverage", COVERAGE.table(results.store, SERIES)?),
     ];
     for (title, table) in tables {
         let _ = writeln!(text, "## {title}\n\n{table}");
@@ -121,7 +120,7 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
     let name = if args.quick { "reproduce/hppf-quick" } else { "reproduce/hppf" };
     let folder = args.options.folder(root, name)?;
     if args.pilot {
-        let text = pilot::pilot(&data, &folder, args.only.as_deref())?;
+        let text = pilot::pilot(&data, &folder)?;
         std::fs::write(folder.join("pilot.md"), &text)?;
         println!("{text}");
         return Ok(ExitCode::SUCCESS);
@@ -142,14 +141,14 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
         println!("{table}\n{:.0} s; cells and the table in {}", clock.elapsed().as_secs_f64(), folder.display());
         return Ok(ExitCode::SUCCESS);
     }
-    coverage::run(&mut store, SERIES, threads)?;
+    COVERAGE.run(&mut store, SERIES, threads)?;
     study.run_all(&mut store, &contender::all(), args.seeds, threads)?;
     let results = Results { store: &store, seeds: args.seeds, block: motions::RATE_HZ as usize };
     let [tables, claims] = report(&study, &results)?;
     std::fs::write(folder.join("trials.md"), tables::trials(&results)?)?;
     std::fs::write(folder.join("tables.md"), &tables)?;
     std::fs::write(folder.join("claims.md"), &claims)?;
-    match figures::actions(&store, &study.scene(Motion::Combo).tree, Motion::Combo) {
+    match figures::actions(&store, &study.scenes[&Motion::Combo].tree, Motion::Combo) {
         Ok(figure) => std::fs::write(folder.join("figure-actions.svg"), figure)?,
         Err(why) => eprintln!("figure-actions.svg is not drawn: {why}"),
     }
@@ -159,7 +158,6 @@ pub(super) fn run(root: &Path, args: &Args) -> Outcome<ExitCode> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::papers::reduced_size;
 
     /// The whole command in a reduced size: the walk is kept, and by action primitives it is nearer than at random.
@@ -168,11 +166,6 @@ mod tests {
         if sinew_tests::data::shared("cmu_amc_35").is_none() {
             return;
         }
-        reduced_size::holds("hppf", &["tables.md", "figure-actions.svg"], |options| {
-            run(
-                crate::support::root(),
-                &Args { pilot: false, quick: true, trials: false, only: None, seeds: 1, options },
-            )
-        });
+        reduced_size::holds("hppf", &["tables.md", "figure-actions.svg"]);
     }
 }

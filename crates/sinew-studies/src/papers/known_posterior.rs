@@ -2,13 +2,14 @@
 
 use super::interval_tally::{COLUMNS, LEVELS, Tally, summary};
 use crate::support::outcome::Outcome;
-use crate::support::store::{Store, rows};
+use crate::support::store::{Store, Task, rows, run_all};
+use crate::support::table::{header, percent, row};
+use serde_json::{Value, json};
 use sinew::core::density::{LogDensity, PartLogDensity};
 use sinew::core::lanes::{Block, Isa, LANES};
 use sinew::core::part::PartTree;
 use sinew::core::random::Stage;
 use sinew::tracking::Tracker;
-use std::fmt::Write as _;
 
 const FRAMES: usize = 30;
 /// Standard deviations of a step, of the first frame about its centre, 0, and of an observation.
@@ -96,27 +97,53 @@ pub(super) fn series(
     Ok(tally.row())
 }
 
-/// Coverage and spread of some trackers by number of coordinates; `key` is the name of a cell.
-pub(super) fn table(
-    store: &Store,
-    sizes: &[usize],
-    names: &[&str],
-    key: impl Fn(&str, usize) -> String,
-) -> Outcome<String> {
-    let mut out = String::from("| coordinates | |");
-    LEVELS.iter().for_each(|level| out += &format!(" {:.0} % |", 100.0 * level));
-    out += " sd / exact | mean off, exact sd |\n|--:|---|---|---|---|---|---|---|\n";
-    for &size in sizes {
-        for name in names {
-            let key = key(name, size);
-            let found = summary(&rows(store.get(&key).ok_or(format!("the cell {key} is missing"))?));
-            let _ = write!(out, "| {} | {name} |", size);
-            for [share, error] in &found[..LEVELS.len()] {
-                let _ = write!(out, " {:.1} ± {:.1} |", 100.0 * share, 100.0 * error);
-            }
-            let [spread, off] = [found[LEVELS.len()][0], found[LEVELS.len() + 1][0]];
-            let _ = writeln!(out, " {spread:.2} | {off:.2} |");
-        }
+/// A study of how often intervals hold the truth: trackers on bodies of several sizes.
+pub(super) struct Coverage<C: 'static> {
+    /// Of the random streams.
+    pub(super) purpose: &'static str,
+    /// Sizes of bodies, and how many coordinates a size has.
+    pub(super) sizes: [usize; 3],
+    pub(super) coordinates: fn(usize) -> usize,
+    pub(super) contenders: &'static [(&'static str, C)],
+    /// One series on a body of a size: a row of [`series`].
+    pub(super) series: fn(usize, C, Stage) -> Outcome<[f64; COLUMNS]>,
+}
+
+impl<C: Copy + Send + Sync> Coverage<C> {
+    fn key(&self, name: &str, size: usize, count: usize) -> String {
+        format!("coverage/{}/{count}/{name}", (self.coordinates)(size))
     }
-    Ok(out)
+
+    /// Runs what is not done yet, `count` series a contender and size.
+    pub(super) fn run(&self, store: &mut Store, count: usize, threads: usize) -> Outcome<()> {
+        let mut tasks: Vec<Task<'_>> = vec![];
+        for size in self.sizes {
+            for &(name, contender) in self.contenders {
+                let work = move || -> Outcome<Value> {
+                    let stage = Stage::new(1, self.purpose);
+                    let row = |run| Ok((self.series)(size, contender, stage.round(run))?.to_vec());
+                    Ok(json!((0..count).map(row).collect::<Outcome<Vec<Vec<f64>>>>()?))
+                };
+                tasks.push((self.key(name, size, count), 1.0, Box::new(work)));
+            }
+        }
+        run_all(store, "coverage", tasks, threads)
+    }
+
+    /// Coverage and spread by number of coordinates.
+    pub(super) fn table(&self, store: &Store, count: usize) -> Outcome<String> {
+        let levels = LEVELS.map(|level| format!("{:.0} %", 100.0 * level)).join(" | ");
+        let mut out = header(&format!("| >coordinates | | {levels} | sd / exact | mean off, exact sd |"));
+        for size in self.sizes {
+            for (name, _) in self.contenders {
+                let key = self.key(name, size, count);
+                let found = summary(&rows(store.get(&key).ok_or(format!("the cell {key} is missing"))?));
+                let shares: Vec<String> = found[..LEVELS.len()].iter().map(|share| percent(*share, 1)).collect();
+                let [spread, off] = [found[LEVELS.len()][0], found[LEVELS.len() + 1][0]];
+                let coordinates = (self.coordinates)(size);
+                row!(out, "{coordinates} | {name} | {} | {spread:.2} | {off:.2}", shares.join(" | "));
+            }
+        }
+        Ok(out)
+    }
 }

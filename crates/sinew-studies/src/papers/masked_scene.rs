@@ -25,6 +25,20 @@ use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::{Level, segmented};
 use std::sync::Arc;
 
+/// Segments whose lengths determine the scale of a body: trunk and head, then the limbs.
+pub(super) const SEGMENTS: [(&str, &str); 10] = [
+    ("MidHip", "Neck"),
+    ("Neck", "Head"),
+    ("LShoulder", "LElbow"),
+    ("RShoulder", "RElbow"),
+    ("LElbow", "LWrist"),
+    ("RElbow", "RWrist"),
+    ("LHip", "LKnee"),
+    ("RHip", "RKnee"),
+    ("LKnee", "LAnkle"),
+    ("RKnee", "RAnkle"),
+];
+
 /// What the likelihood of a part looks at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum CueSet {

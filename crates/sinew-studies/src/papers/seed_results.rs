@@ -4,6 +4,7 @@ use super::worth::{Errors, kept};
 use crate::support::outcome::Outcome;
 use crate::support::statistics::{mean, mean_and_error};
 use crate::support::store::{Store, numbers};
+use crate::support::table::with_spread;
 use serde_json::Value;
 use sinew_tests::evaluation::block_bootstrap;
 use std::ops::Range;
@@ -43,8 +44,13 @@ impl Mean {
 
     /// With its error, as tables show it.
     pub(super) fn shown(&self, decimals: usize) -> String {
-        format!("{:.decimals$} ± {:.decimals$}", self.value, self.error)
+        with_spread([self.value, self.error], decimals)
     }
+}
+
+/// What series are more than others, pair by pair.
+pub(super) fn differences(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    a.iter().zip(b).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect()).collect()
 }
 
 impl Results<'_> {
@@ -77,24 +83,25 @@ impl Results<'_> {
 
     /// The limb ratio, and how many seeds keep the person.
     pub(super) fn kept(&self, contender: &impl Keyed) -> Outcome<(Mean, usize)> {
-        let (mut ratios, mut all) = (vec![], 0);
-        for seed in 1..=self.seeds {
+        let found: Vec<_> = self.runs(contender)?.iter().map(|[run, mean_pose]| kept(run, mean_pose)).collect();
+        let ratios: Vec<f64> = found.iter().map(|(_, ratio, _)| *ratio).collect();
+        Ok((Mean::of(&ratios), found.iter().filter(|(.., is_kept)| *is_kept).count()))
+    }
+
+    /// Errors of each seed, with the mean pose's.
+    pub(super) fn runs(&self, contender: &impl Keyed) -> Outcome<Vec<[Errors; 2]>> {
+        let run = |seed| {
             let cell = self.cell(contender, seed)?;
             let of = |name: &str| numbers(&cell[name]);
             let found = Errors { absolute: of("absolute"), relative: of("relative"), limbs: of("limbs") };
-            let limbs = of("mean_pose_limbs");
-            let (_, ratio, is_kept) = kept(&found, &Errors { absolute: vec![], relative: vec![], limbs });
-            ratios.push(ratio);
-            all += usize::from(is_kept);
-        }
-        Ok((Mean::of(&ratios), all))
+            Ok([found, Errors { absolute: vec![], relative: vec![], limbs: of("mean_pose_limbs") }])
+        };
+        (1..=self.seeds).map(run).collect()
     }
 
     /// Mean difference of the relative errors of two contenders, paired by seed and frame, and the upper end of its one-sided 95 % interval by blocks of a second.
     pub(super) fn difference(&self, a: &impl Keyed, b: &impl Keyed) -> Outcome<[f64; 2]> {
-        let (a, b) = (self.series(a, "/relative")?, self.series(b, "/relative")?);
-        let pairs = a.iter().zip(&b).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect());
-        let series: Vec<Vec<f64>> = pairs.collect();
+        let series = differences(&self.series(a, "/relative")?, &self.series(b, "/relative")?);
         let value = mean(series.concat());
         Ok([value, value + ONE_SIDED * block_bootstrap(&series, self.block, REPLICATES, 1)])
     }

@@ -5,6 +5,7 @@
 
 use super::masked_scene::Scene;
 use crate::support::statistics::mean;
+use serde_json::{Value, json};
 use sinew_body::points::{Trajectories, points_of_states};
 use sinew_tests::evaluation::joint_errors::joint_errors_mm;
 
@@ -53,6 +54,25 @@ fn limbs_mm(found: &Trajectories, truth: &Trajectories) -> Vec<f64> {
         1e3 * (1..a.len()).map(joint).sum::<f64>() / LIMBS.len() as f64
     };
     found.frames.iter().zip(&truth.frames).map(frame).collect()
+}
+
+/// What the estimates of some frames are worth, as it is stored: with that many decimals, beside the limbs of mean poses and the milliseconds a frame.
+pub(super) fn stored(scene: &Scene, estimates: &[Vec<f64>], means: &[Vec<f64>], seconds: f64, decimals: i32) -> Value {
+    let first = means.len() - estimates.len();
+    let (found, mean_pose) = (errors(scene, estimates, first), errors(scene, &means[first..], first));
+    json!({
+        "absolute": rounded(&found.absolute, decimals),
+        "relative": rounded(&found.relative, decimals),
+        "limbs": rounded(&found.limbs, decimals),
+        "mean_pose_limbs": rounded(&mean_pose.limbs, decimals),
+        "ms": 1e3 * seconds / estimates.len() as f64,
+    })
+}
+
+/// Numbers with some decimals.
+pub(super) fn rounded(values: &[f64], decimals: i32) -> Vec<f64> {
+    let factor = 10_f64.powi(decimals);
+    values.iter().map(|x| (factor * x).round() / factor).collect()
 }
 
 /// The mean pose of training at the true position and heading, frame by frame.

@@ -5,8 +5,8 @@
 use crate::support::outcome::Outcome;
 use crate::support::program::{Program, shown};
 use crate::support::statistics::{mean, verdict, with_error};
+use crate::support::table::{header, row};
 use sinew::formats::trc::{self, Trc};
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Joints of the limbs, right and left.
@@ -79,12 +79,11 @@ fn distances(program: &Program, data: &Path, seeds: u64) -> Outcome<Vec<[Vec<f64
 
 /// The table of a real recording.
 pub(crate) fn table(program: &Program, data: &Path, seeds: u64) -> Outcome<String> {
-    let mut text = String::from(
-        "| person | all in one run, mm | bound of the task, mm | | a run of their own (`--person`), mm |\n|---|---|---|---|---|\n",
-    );
+    let mut text =
+        header("| person | all in one run, mm | bound of the task, mm | | a run of their own (`--person`), mm |");
     for ((_, who, bound), [together, alone]) in REFERENCES.iter().zip(&distances(program, data, seeds)?) {
         let met = verdict(mean(together) <= *bound);
-        let _ = writeln!(text, "| {who} | {} | {bound} | {met} | {} |", with_error(together, 1), with_error(alone, 1));
+        row!(text, "{who} | {} | {bound} | {met} | {}", with_error(together, 1), with_error(alone, 1));
     }
     Ok(text)
 }

@@ -3,11 +3,11 @@
 //! Of each angle the standard body at 0° and at 30°, side by side, seen from the side on which it shows. The poses are written down here by the body's own degrees of freedom, and an angle that does not read 30° more in the second
 //! than in the first, all others of its joint alike, is an error: drawings cannot say other than the program does.
 
+use crate::support::outcome::Outcome;
 use sinew::angles::{Convention, JointAngles};
 use sinew::body::{KinematicTree, Proportions, standard};
 use sinew::formats::rotation::{about_axis, product};
 use sinew_setup::posed_body::pose;
-use std::error::Error;
 use std::fmt::Write as _;
 
 /// Degrees of freedom of the body, degrees.
@@ -155,7 +155,7 @@ fn rotated_arm() -> [f64; 3] {
     [m[1][0].atan2(m[0][0]), (-m[2][0]).asin(), m[2][1].atan2(m[2][2])].map(f64::to_degrees)
 }
 
-fn state(body: &KinematicTree, degrees: &[(&str, f64)]) -> Result<Vec<f64>, Box<dyn Error>> {
+fn state(body: &KinematicTree, degrees: &[(&str, f64)]) -> Outcome<Vec<f64>> {
     let names = body.dof_names();
     let mut state = vec![0.0; body.dof()];
     for (name, angle) in degrees {
@@ -166,7 +166,7 @@ fn state(body: &KinematicTree, degrees: &[(&str, f64)]) -> Result<Vec<f64>, Box<
 }
 
 /// The states of both poses, checked: all angles of the convention but the one that is drawn, and of others those that move with it, read alike.
-fn states(body: &KinematicTree, sheet: &Sheet, drawing: &Drawing) -> Result<[Vec<f64>; 2], Box<dyn Error>> {
+fn states(body: &KinematicTree, sheet: &Sheet, drawing: &Drawing) -> Outcome<[Vec<f64>; 2]> {
     let angles = JointAngles::new(body, &[], false, sheet.convention);
     let mut moved = drawing.moved.to_vec();
     if drawing.name == "shoulder_rotation_r" {
@@ -211,9 +211,10 @@ const COLUMNS: usize = 3;
 const TOP: f64 = 40.0;
 
 /// Path data of a figure about a place.
-fn figure(body: &KinematicTree, state: &[f64], seen: Seen, [x, y]: [f64; 2]) -> Result<String, Box<dyn Error>> {
+fn figure(body: &KinematicTree, state: &[f64], seen: Seen, [x, y]: [f64; 2]) -> Outcome<String> {
     let posed = pose(body, state);
-    let at = |name: &str| Ok::<_, Box<dyn Error>>(posed.points[body.point_index(name).ok_or(format!("no {name}"))?]);
+    let at =
+        |name: &str| -> Outcome<[f64; 3]> { Ok(posed.points[body.point_index(name).ok_or(format!("no {name}"))?]) };
     let (scale, middle) = (seen.scale(), at(seen.middle().0)?);
     let place = |at: [f64; 3]| {
         let [right, forward, up] = [0, 1, 2].map(|k: usize| scale * (at[k] - middle[k]));
@@ -238,7 +239,7 @@ const STYLE: &str = "text{font:12px system-ui,sans-serif;fill:#3c4654}.h{font-si
 path{fill:none;stroke-width:2;stroke-linecap:round;stroke-linejoin:round;stroke:#8b96a3}.m{stroke:#0072b2}";
 
 /// A sheet as SVG.
-pub(super) fn svg(sheet: &Sheet) -> Result<String, Box<dyn Error>> {
+pub(super) fn svg(sheet: &Sheet) -> Outcome<String> {
     let body = standard::h32(&Proportions::default());
     let rows = sheet.drawings.len().div_ceil(COLUMNS);
     let (width, height) = (COLUMNS as f64 * CELL[0], TOP + rows as f64 * CELL[1]);

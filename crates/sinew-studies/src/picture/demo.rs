@@ -2,6 +2,7 @@
 //!
 //! The recording of `sinew demo` is tracked with the program's settings. Above, one camera's view at three instants: keypoints, draws from the posterior, the pose of the mean state and the true joints. Below, the knee's flexion over time with its 90 % band.
 
+use crate::support::outcome::Outcome;
 use sinew::body::{KinematicTree, Plan, point_positions};
 use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
@@ -12,7 +13,6 @@ use sinew_results::estimate::FrameEstimate;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::evaluation::{self, Filtered};
 use sinew_tests::simulated_source::source;
-use std::error::Error;
 use std::fmt::Write as _;
 
 /// The demo's seed.
@@ -74,11 +74,11 @@ struct Tracked {
 }
 
 /// The picture as SVG.
-pub(super) fn svg() -> Result<String, Box<dyn Error>> {
+pub(super) fn svg() -> Outcome<String> {
     draw(&track()?)
 }
 
-fn track() -> Result<Tracked, Box<dyn Error>> {
+fn track() -> Outcome<Tracked> {
     let script = Script::default();
     let recording = SyntheticRecording::new(&script, SEED)?;
     let mut frames_of = source(&recording);
@@ -90,7 +90,7 @@ fn track() -> Result<Tracked, Box<dyn Error>> {
     Ok(Tracked { recording, setup, tree, estimates })
 }
 
-fn draw(tracked: &Tracked) -> Result<String, Box<dyn Error>> {
+fn draw(tracked: &Tracked) -> Outcome<String> {
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" width=\"{WIDTH}\" height=\"{HEIGHT}\" role=\"img\" aria-label=\"A tracked walker and the flexion of a knee, with uncertainty\">\n\
          <style>{STYLE}</style>\n<rect width=\"{WIDTH}\" height=\"{HEIGHT}\" rx=\"8\" fill=\"#fff\"/>\n"
@@ -134,14 +134,7 @@ fn scale(tracked: &Tracked, camera: &Camera) -> f64 {
     (PANEL_HEIGHT - 60.0) / INSTANTS.into_iter().map(height).fold(0.0, f64::max)
 }
 
-fn panel(
-    svg: &mut String,
-    tracked: &Tracked,
-    camera: &Camera,
-    frame: usize,
-    left: f64,
-    scale: f64,
-) -> Result<(), Box<dyn Error>> {
+fn panel(svg: &mut String, tracked: &Tracked, camera: &Camera, frame: usize, left: f64, scale: f64) -> Outcome<()> {
     let Tracked { recording, setup, tree, estimates } = tracked;
     let estimate = estimates.get(frame).ok_or("no such frame")?;
     let truth = &recording.truth.frames[frame];
@@ -204,7 +197,7 @@ fn figure(tree: &KinematicTree, state: &[f64], place: impl Fn([f64; 3]) -> Optio
 }
 
 /// The knee over time.
-fn chart(svg: &mut String, tracked: &Tracked) -> Result<(), Box<dyn Error>> {
+fn chart(svg: &mut String, tracked: &Tracked) -> Outcome<()> {
     let [left, top, width, height] = CHART;
     let Tracked { recording, tree, estimates, .. } = tracked;
     let index = |tree: &KinematicTree| tree.dof_names().iter().position(|name| name == KNEE).ok_or("no knee");

@@ -1,5 +1,6 @@
 //! The real recording, tracked from its keypoints: outlines of draws from the posterior over the images of four cameras.
 
+use crate::support::outcome::Outcome;
 use sinew::body::{Plan, point_positions};
 use sinew::config::settings::Settings;
 use sinew::core::lanes::Isa;
@@ -11,7 +12,6 @@ use sinew::observe::{Camera, RgbImage};
 use sinew_report::overlay::Artist;
 use sinew_results::tracked::Tracked;
 use sinew_tests::evaluation;
-use std::error::Error;
 use std::ops::Range;
 use std::path::Path;
 
@@ -35,7 +35,7 @@ pub(super) fn is_there(data: &Path) -> bool {
 }
 
 /// The picture.
-pub(super) fn png(data: &Path) -> Result<Vec<u8>, Box<dyn Error>> {
+pub(super) fn png(data: &Path) -> Outcome<Vec<u8>> {
     let recording = data.join("pose2sim_single");
     let options = RecordingOptions { layout: Some("BODY_25B".into()), ..RecordingOptions::default() };
     let mut recording =

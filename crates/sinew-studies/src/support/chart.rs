@@ -5,6 +5,7 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::ops::Range;
+use std::path::Path;
 
 /// Colours that people who see red and green alike distinguish (Okabe & Ito 2008).
 pub const BLUE: RGBColor = RGBColor(0, 114, 178);
@@ -39,32 +40,49 @@ pub enum Names {
 }
 
 /// A panel; on axes (x, y) that are in decades, values are logarithms of base ten.
-pub fn panel(area: &Area<'_>, title: &str, x: &str, y: &str, lines: &[Line], in_decades: [bool; 2]) -> Outcome<()> {
-    panel_with(area, title, [x, y], lines, in_decades, Names::Inside)
+pub struct Panel<'a> {
+    pub title: String,
+    pub axes: [&'a str; 2],
+    pub lines: Vec<Line>,
+    pub in_decades: [bool; 2],
+    pub names: Names,
 }
 
-/// [`panel`] with a choice of where names stand.
-pub fn panel_with(
-    area: &Area<'_>,
-    title: &str,
-    [x, y]: [&str; 2],
-    lines: &[Line],
-    in_decades: [bool; 2],
-    names: Names,
-) -> Outcome<()> {
+/// A point whose bar ends at two standard errors.
+pub fn with_bar(x: f64, [y, error]: [f64; 2]) -> [f64; 4] {
+    [x, y, y - 2.0 * error, y + 2.0 * error]
+}
+
+/// A point without a bar.
+pub fn bare(x: f64, y: f64) -> [f64; 4] {
+    [x, y, y, y]
+}
+
+/// Draws panels on white, rows and columns of them; one without lines leaves its place empty.
+pub fn draw(path: &Path, size: (u32, u32), grid: (usize, usize), panels: &[Panel<'_>]) -> Outcome<()> {
+    let root = SVGBackend::new(path, size).into_drawing_area();
+    root.fill(&WHITE)?;
+    for (area, panel) in root.split_evenly(grid).iter().zip(panels).filter(|(_, panel)| !panel.lines.is_empty()) {
+        draw_panel(area, panel)?;
+    }
+    finish(&root)
+}
+
+fn draw_panel(area: &Area<'_>, panel: &Panel<'_>) -> Outcome<()> {
+    let Panel { title, axes: [x, y], lines, in_decades, names } = panel;
     let (wide, high) = (extent(lines, |p| [p[0], p[0]]), extent(lines, |p| [p[2], p[3]]));
     let [across, up] = [decimals(&wide), decimals(&high)];
     let mut chart = ChartBuilder::on(area)
         .caption(title, ("sans-serif", 15))
         .margin(8)
-        .margin_right(if let Names::Beside(width) = names { width } else { 8 })
+        .margin_right(if let Names::Beside(width) = names { *width } else { 8 })
         .x_label_area_size(36)
         .y_label_area_size(58)
         .build_cartesian_2d(wide, high)?;
     chart
         .configure_mesh()
-        .x_desc(x)
-        .y_desc(y)
+        .x_desc(*x)
+        .y_desc(*y)
         .x_label_formatter(&|v| shown(*v, in_decades[0], across))
         .y_label_formatter(&|v| shown(*v, in_decades[1], up))
         .x_labels(5)

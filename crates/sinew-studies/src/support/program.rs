@@ -26,6 +26,21 @@ pub(crate) fn shown(path: &Path) -> String {
     path.display().to_string()
 }
 
+/// Writes a recording: its calibration, and files of keypoints in a folder of that name.
+pub(crate) fn write_recording(
+    folder: &Path,
+    calibration: &str,
+    keypoints: &str,
+    files: impl IntoIterator<Item = (String, String)>,
+) -> Outcome<()> {
+    for (name, text) in files {
+        let path = folder.join(keypoints).join(name);
+        std::fs::create_dir_all(path.parent().unwrap_or(folder))?;
+        std::fs::write(path, text)?;
+    }
+    Ok(std::fs::write(folder.join("Calib.toml"), calibration)?)
+}
+
 impl Program {
     /// Runs a command, and gives its answer; another exit code is an error.
     pub(crate) fn run(&self, flags: &[String], codes: &[i32]) -> Outcome<String> {

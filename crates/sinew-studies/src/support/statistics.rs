@@ -1,5 +1,6 @@
 //! Means, medians and verdicts of what runs have left.
 
+use super::table::with_spread;
 pub(crate) use sinew_tests::finding::mean_and_error;
 use std::borrow::Borrow;
 
@@ -17,7 +18,7 @@ pub(crate) fn rms(values: &[f64]) -> f64 {
 /// Mean and standard error as tables show them; one value alone has no error.
 pub(crate) fn with_error(values: &[f64], decimals: usize) -> String {
     let [mean, error] = mean_and_error(values);
-    format!("{mean:.decimals$} ± {:.decimals$}", if values.len() > 1 { error } else { 0.0 })
+    with_spread([mean, if values.len() > 1 { error } else { 0.0 }], decimals)
 }
 
 /// Median; NaN of nothing.

@@ -50,6 +50,11 @@ impl Store {
         self.done.get(key)
     }
 
+    /// The finished cells of seeds, whose names are that of their kind and the seed.
+    pub(crate) fn of_seeds(&self, kind: &str, seeds: impl IntoIterator<Item = u64>) -> Vec<&Value> {
+        seeds.into_iter().filter_map(|seed| self.get(&format!("{kind}/{seed}"))).collect()
+    }
+
     /// Takes what was kept by [`Store::keep`] into the finished cells.
     pub(crate) fn take(&mut self, cells: impl IntoIterator<Item = (String, Value)>) {
         self.done.extend(cells);

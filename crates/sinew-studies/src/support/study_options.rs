@@ -55,13 +55,6 @@ pub(crate) struct StudyOptions {
 }
 
 impl StudyOptions {
-    /// Those of a test that writes into a folder.
-    #[cfg(test)]
-    pub(crate) fn writing_to(out: &Path) -> Self {
-        let places = Places { out: Some(out.into()), data: Some(sinew_tests::data::folder()) };
-        Self { threads: None, places }
-    }
-
     /// Cells that run at a time.
     pub(crate) fn threads(&self) -> usize {
         threads(self.threads)

@@ -1,11 +1,11 @@
 //! Tables that derive from lists in the code: settings, methods, layouts.
 
+use crate::support::table::{header, row};
 use sinew::config::setting::{Setting, SettingKind};
 use sinew::config::table::settings;
 use sinew::config::value::to_text;
 use sinew::formats::layout;
 use sinew::methods::{About, Gives, METHODS};
-use std::fmt::Write as _;
 
 /// The table of that name; Markdown.
 pub(super) fn table(name: &str) -> Option<String> {
@@ -18,12 +18,11 @@ pub(super) fn table(name: &str) -> Option<String> {
 }
 
 fn group_table(group: &str) -> Option<String> {
-    let mut table = String::from("| setting | values | default | meaning |\n|---|---|---|---|\n");
+    let mut table = header("| setting | values | default | meaning |");
     let chosen: Vec<&Setting> = settings().iter().filter(|setting| setting.group == group).collect();
     for setting in &chosen {
         let default = setting.default.as_ref().map(|value| format!("`{}`", to_text(value))).unwrap_or_default();
-        // Writing to a String cannot fail.
-        let _ = writeln!(table, "| `{}` | {} | {default} | {} |", setting.key, values(setting), escaped(setting.help));
+        row!(table, "`{}` | {} | {default} | {}", setting.key, values(setting), escaped(setting.help));
     }
     (!chosen.is_empty()).then_some(table)
 }
@@ -54,9 +53,7 @@ fn values(setting: &Setting) -> String {
 }
 
 fn methods() -> String {
-    let mut table = String::from(
-        "| method | what | observes | gives | particles | score of masks | settings of its own |\n|---|---|---|---|---|---|---|\n",
-    );
+    let mut table = header("| method | what | observes | gives | particles | score of masks | settings of its own |");
     for about in METHODS {
         let About { name, help, needs_gradients, needs_parts, score, particles, settings, .. } = about;
         let observes = match (needs_gradients, needs_parts) {
@@ -77,16 +74,16 @@ fn methods() -> String {
         };
         let own: Vec<String> = settings.iter().map(|setting| format!("`{}`", setting.row().key)).collect();
         let own = if own.is_empty() { "–".into() } else { own.join(", ") };
-        let _ = writeln!(table, "| `{name}` | {help} | {observes} | {gives} | {particles} | {score} | {own} |");
+        row!(table, "`{name}` | {help} | {observes} | {gives} | {particles} | {score} | {own}");
     }
     table
 }
 
 fn layouts() -> String {
-    let mut table = String::from("| layout | numbers a person | named points |\n|---|---|---|\n");
+    let mut table = header("| layout | numbers a person | named points |");
     for name in layout::names() {
         if let Ok(layout) = layout::find(name) {
-            let _ = writeln!(table, "| `{name}` | {} | {} |", layout.numbers(), layout.points.iter().flatten().count());
+            row!(table, "`{name}` | {} | {}", layout.numbers(), layout.points.iter().flatten().count());
         }
     }
     table

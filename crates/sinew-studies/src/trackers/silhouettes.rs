@@ -3,20 +3,20 @@
 //! The masks were made with the help of the joints that they are compared with here, so a distance to those joints says how well a body follows masks, and nothing of its accuracy in the world. Settings were chosen on frames 0–59;
 //! frames 60–99 judge.
 
-use crate::support::outcome::{Outcome, exit_code};
+use crate::accuracy::butterworth;
+use crate::support::outcome::Outcome;
+use crate::support::table::header;
 use clap::Args as Arguments;
 use sinew::config::settings::{Settings, motion_model};
 use sinew::config::{Resolved, Sources, TrackConfig, resolve};
-use sinew::formats::trc;
 use sinew::input::footage::{Footage, Init};
 use sinew::methods::Score;
 use sinew::methods::{About, AnnealedMethod, annealed, bootstrap, coarse_to_fine, hmc, hppf, partitioned};
 use sinew::setup::Setup;
 use sinew_setup::silhouette_overlap::SilhouetteOverlap;
-use sinew_tests::evaluation::{self, LIMB_JOINTS, Track};
+use sinew_tests::evaluation::{self, LIMB_JOINTS};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -117,13 +117,13 @@ fn rows() -> Vec<Row> {
 }
 
 /// Runs the command.
-pub(crate) fn run(root: &Path, args: &Args) -> ExitCode {
+pub(crate) fn run(root: &Path, args: &Args) -> Outcome<()> {
     let data = args.data.clone().unwrap_or_else(|| root.join("../shared/data"));
     if !data.join("pose2sim_silhouettes").is_dir() {
         println!("skipped: no data");
-        return ExitCode::SUCCESS;
+        return Ok(());
     }
-    exit_code(tables(&data, args))
+    tables(&data, args)
 }
 
 /// The settings of `sinew track` for the real recording.
@@ -157,14 +157,6 @@ fn footage(config: &TrackConfig) -> Outcome<Footage> {
     Ok(config.footage(calibration)?)
 }
 
-fn reference(data: &Path) -> Outcome<Track> {
-    let name = "S00_P00_T01_BalancingTrial_0-100_filt_butterworth.trc";
-    let path = data.join("pose2sim_single/T01_BalancingTrial/pose-3d").join(name);
-    let file = trc::read(name, &std::fs::read_to_string(path)?)?;
-    let frame = |f| LIMB_JOINTS.iter().map(|joint| file.point_in_world(f, file.marker_index(joint)?)).collect();
-    Ok((0..file.frames.len()).map(frame).collect())
-}
-
 fn set_up(config: &TrackConfig, settings: &Settings, usual_girth: bool) -> Outcome<Setup> {
     let change = |setup: &mut Setup| {
         if usual_girth {
@@ -176,11 +168,13 @@ fn set_up(config: &TrackConfig, settings: &Settings, usual_girth: bool) -> Outco
 
 fn tables(data: &Path, args: &Args) -> Outcome<()> {
     let seeds = args.seeds;
-    let reference = reference(data)?;
-    println!(
-        "| method | score | observed | cameras | frames 0–59, mm | frames 60–99, mm | precision, % | recall, % | ms a frame |"
+    let reference = butterworth(data)?;
+    print!(
+        "{}",
+        header(
+            "| method | score | observed | cameras | frames 0–59, mm | frames 60–99, mm | precision, % | recall, % | ms a frame |"
+        )
     );
-    println!("|---|---|---|---|---|---|---|---|---|");
     let is_wanted = |row: &Row| {
         let is_named = args.method.as_deref().is_none_or(|name| row.method.name == name);
         is_named && (args.motion_model.is_some() || !row.learned)

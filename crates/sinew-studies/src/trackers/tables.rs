@@ -5,6 +5,7 @@ use super::films::{Film, key};
 use super::worth::{Worth, held_mm};
 use crate::support::outcome::Outcome;
 use crate::support::store::Store;
+use crate::support::table::{header, row, with_spread};
 use sinew::methods::{Gives, METHODS};
 use sinew_tests::finding::mean_and_error;
 use std::fmt::Write as _;
@@ -25,31 +26,29 @@ fn over(store: &Store, films: &[&Film], entry: &Entry, seeds: u64, of: fn(&Worth
     })
 }
 
-fn with_error([mean, error]: [f64; 2]) -> String {
-    format!("{mean:.0} ± {error:.0}")
-}
-
 /// Both tables.
 pub(super) fn text(store: &Store, films: &[Film], seeds: u64) -> Outcome<String> {
     let (real, simulated): (Vec<&Film>, Vec<&Film>) = films.iter().partition(|film| film.is_real());
     let mut out = String::new();
     for (title, films) in [("Simulated walkers", simulated), ("The real recording", real)] {
         let _ = writeln!(out, "## {title}\n");
-        out += "| method | observes | learned model | error, mm | frames below 150 mm, % | begun again, % | 90 % intervals hold, % | frames a second |\n|---|---|---|---|---|---|---|---|\n";
+        out += &header(
+            "| method | observes | learned model | error, mm | frames below 150 mm, % | begun again, % | 90 % intervals hold, % | frames a second |",
+        );
         for entry in &ENTRIES {
             let about = METHODS.iter().find(|method| method.name == entry.method).ok_or("no such method")?;
             let mean = |of| over(store, &films, entry, seeds, of);
             let covered = match about.gives {
                 Gives::Search => "–".to_owned(),
-                _ => with_error(mean(|worth| 100.0 * worth.covered)?),
+                _ => with_spread(mean(|worth| 100.0 * worth.covered)?, 0),
             };
-            let _ = writeln!(
+            row!(
                 out,
-                "| `{}` | {} | {} | {} | {:.0} | {:.0} | {covered} | {:.0} |",
+                "`{}` | {} | {} | {} | {:.0} | {:.0} | {covered} | {:.0}",
                 entry.method,
                 entry.seen.name(),
                 entry.learned.map_or("–", |learned| learned.name()),
-                with_error(mean(|worth| worth.error_mm)?),
+                with_spread(mean(|worth| worth.error_mm)?, 0),
                 mean(|worth| 100.0 * worth.followed)?[0],
                 mean(|worth| 100.0 * worth.restarted)?[0],
                 mean(|worth| worth.frames_per_second)?[0]

@@ -4,12 +4,12 @@ use crate::support::outcome::Outcome;
 use crate::support::program::Program;
 use crate::support::statistics::{mean, mean_and_error, quantile};
 use crate::support::store::{Store, numbers};
+use crate::support::table::{header, row};
 use serde_json::{Value, json};
 use sinew::input::source::FrameSource as _;
 use sinew::predict::predict;
 use sinew_analysis::validate::left_out;
 use sinew_tests::drawn_rig::{FRAMES, Rig};
-use std::fmt::Write as _;
 use std::ops::Range;
 use std::path::Path;
 
@@ -47,14 +47,12 @@ fn held(rig: &Rig, folder: &Path, run: &Path, camera: usize) -> Outcome<f64> {
     Ok(100.0 * left_out(&prediction, &people, &columns).all().coverage(0.9))
 }
 
-/// Name of the cell of a rig.
-pub(in super::super) fn name(seed: u64) -> String {
-    format!("rig, two cameras/{seed}")
-}
+/// What the names of cells begin with.
+pub(in super::super) const CELLS: &str = "rig, two cameras";
 
 /// Mean over rigs, and how far single cameras of single rigs are from it.
 pub(in super::super) fn table(store: &Store, seeds: Range<u64>) -> String {
-    let cells: Vec<&Value> = seeds.filter_map(|seed| store.get(&name(seed))).collect();
+    let cells: Vec<&Value> = store.of_seeds(CELLS, seeds);
     let rigs: Vec<Vec<f64>> = cells.iter().map(|cell| numbers(&cell["held"])).filter(|held| !held.is_empty()).collect();
     let [centre, error] = mean_and_error(&rigs.iter().map(|held| mean(held.iter().copied())).collect::<Vec<_>>());
     let single = rigs.concat();
@@ -63,9 +61,9 @@ pub(in super::super) fn table(store: &Store, seeds: Range<u64>) -> String {
         rigs.len(),
         cells.len() - rigs.len()
     );
-    text += "| mean over rigs, % | single cameras: 5 % of them below, % | 10 % | 25 % | median | 75 % |\n|---|---|---|---|---|---|\n";
+    text += &header("| mean over rigs, % | single cameras: 5 % of them below, % | 10 % | 25 % | median | 75 % |");
     let cells = [0.05, 0.1, 0.25, 0.5, 0.75]
         .map(|share| quantile(&single, share).map_or("–".into(), |held| format!("{held:.0}")));
-    let _ = writeln!(text, "| {centre:.1} ± {error:.1} | {} |", cells.join(" | "));
+    row!(text, "{centre:.1} ± {error:.1} | {}", cells.join(" | "));
     text
 }

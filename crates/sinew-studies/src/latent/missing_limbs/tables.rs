@@ -3,6 +3,7 @@
 use super::contenders::{Latent, words};
 use super::pilot::{FOLDS, LIMBS, Pilot, Score, Scores};
 use crate::support::statistics::mean_and_error;
+use crate::support::table::{header, row, with_spread};
 use sinew_tests::missing_limbs::latent::{INTERVALS, Rows};
 use std::fmt::Write as _;
 
@@ -18,7 +19,7 @@ const PUBLISHED: [(&str, [f64; 4]); 5] = [
 fn limb_errors(scores: &Scores, limb: usize) -> String {
     let values: Vec<f64> = scores.iter().flatten().map(|limbs| limbs[limb].rms_deg).collect();
     let [mean, error] = mean_and_error(&values);
-    format!("{mean:.2} ± {:.2}", error * (values.len() as f64).sqrt())
+    with_spread([mean, error * (values.len() as f64).sqrt()], 2)
 }
 
 /// How often every interval holds the truth, mean over sequences, %.
@@ -33,9 +34,8 @@ fn coverage(scores: &Scores, limb: usize) -> String {
 
 /// All contenders on the sequences that were left out, and the best of them sequence by sequence.
 pub(super) fn pilot(pilot: &Pilot) -> String {
-    let mut text = String::from(
-        "\n| model | latents | leg RMS° | body RMS° | over neighbours | leg, % in 50/80/90/95 | body |\n|---|---|---|---|---|---|---|\n",
-    );
+    let mut text = "\n".to_owned()
+        + &header("| model | latents | leg RMS° | body RMS° | over neighbours | leg, % in 50/80/90/95 | body |");
     let mut rows: Vec<(&str, String, &Scores)> =
         pilot.references.iter().map(|(name, scores)| (*name, "–".into(), scores)).collect();
     rows.extend(pilot.latent.iter().map(|(model, way, scores)| (model.name, words(*way), scores)));
@@ -43,32 +43,31 @@ pub(super) fn pilot(pilot: &Pilot) -> String {
         let [leg, body] = [0, 1].map(|limb| limb_errors(scores, limb));
         let [leg_in, body_in] = [0, 1].map(|limb| coverage(scores, limb));
         let ratio = pilot.ratio(scores);
-        let _ = writeln!(text, "| {name} | {way} | {leg} | {body} | {ratio:.3} | {leg_in} | {body_in} |");
+        row!(text, "{name} | {way} | {leg} | {body} | {ratio:.3} | {leg_in} | {body_in}");
     }
     let best = pilot.latent.iter().min_by(|a, b| pilot.ratio(&a.2).total_cmp(&pilot.ratio(&b.2)));
     let Some((model, way, own)) = best else { return text };
-    let _ = write!(text, "\n{}, {}, by sequence; leg / body RMS°:\n\n| sequence |", model.name, words(*way));
-    let numbers: Vec<usize> = FOLDS.concat();
-    numbers.iter().for_each(|number| text += &format!(" {number} |"));
-    text += &format!("\n|---|{}", "---|".repeat(numbers.len()));
+    let _ = write!(text, "\n{}, {}, by sequence; leg / body RMS°:\n\n", model.name, words(*way));
+    let numbers = FOLDS.concat().iter().map(usize::to_string).collect::<Vec<_>>().join(" | ");
+    text += &header(&format!("| sequence | {numbers} |"));
     let shown = pilot.references.iter().map(|(name, scores)| (*name, scores)).chain([(model.name, own)]);
     for (name, scores) in shown {
-        let _ = write!(text, "\n| {name} |");
-        scores.iter().flatten().for_each(|[leg, body]| text += &format!(" {:.2} / {:.2} |", leg.rms_deg, body.rms_deg));
+        let cell = |[leg, body]: &[Score; 2]| format!("{:.2} / {:.2}", leg.rms_deg, body.rms_deg);
+        row!(text, "{name} | {}", scores.iter().flatten().map(cell).collect::<Vec<_>>().join(" | "));
     }
-    text + "\n"
+    text
 }
 
 /// The test sequence.
 pub(super) fn test(model: &Latent, way: Rows, found: &[Score; 2]) -> String {
-    let mut text = String::from("\n| model | leg cum. | leg RMS° | body cum. | body RMS° |\n|---|---|---|---|---|\n");
+    let mut text = "\n".to_owned() + &header("| model | leg cum. | leg RMS° | body cum. | body RMS° |");
     for (name, [leg, leg_deg, body, body_deg]) in PUBLISHED {
-        let _ = writeln!(text, "| {name} | {leg} | {leg_deg:.2} | {body} | {body_deg:.2} |");
+        row!(text, "{name} | {leg} | {leg_deg:.2} | {body} | {body_deg:.2}");
     }
     let [leg, body] = found;
-    let _ = writeln!(
+    row!(
         text,
-        "| **ours: {}, {}** | {:.2} | {:.2} | {:.2} | {:.2} |",
+        "**ours: {}, {}** | {:.2} | {:.2} | {:.2} | {:.2}",
         model.name,
         words(way),
         leg.cumulative,

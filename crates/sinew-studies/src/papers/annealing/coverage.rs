@@ -14,9 +14,9 @@ use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;
 use sinew::tracking::annealed::{self, Annealed};
 use sinew::tracking::bootstrap::{self, Bootstrap};
-use sinew::tracking::hmc_filter::{self, HmcFilter};
+use sinew::tracking::hmc_filter::HmcFilter;
 use sinew::tracking::{Error, Tracker};
-use sinew_tests::linear_series::{Series, Sight, deviations};
+use sinew_tests::linear_series::{Series, Sight, chains_on_series, deviations};
 
 /// Dimensions of the state.
 pub(super) const DIMS: [usize; 3] = [2, 6, 10];
@@ -78,18 +78,7 @@ pub(super) fn cell(contender: &Contender, dim: usize, runs: usize, seed: u64, is
                 let config = bootstrap::Config { particles: *particles, ..bootstrap::Config::default() };
                 one(&series, &mut Bootstrap::new(config, model, centre)?, &stage)
             }
-            Contender::Hmc => {
-                let config = hmc_filter::Config {
-                    chains: 16,
-                    updates: 120,
-                    burn_in: 20,
-                    step_size: 0.5,
-                    leapfrog_steps: 8,
-                    jitter: 0.2,
-                    ..hmc_filter::Config::default()
-                };
-                one(&series, &mut HmcFilter::new(config, model, centre, isa)?, &stage)
-            }
+            Contender::Hmc => one(&series, &mut HmcFilter::new(chains_on_series(), model, centre, isa)?, &stage),
             Contender::Annealed(config) => {
                 let sd = (0..dim).map(|j| series.q[j * (dim + 1)].sqrt()).collect();
                 one(&series, &mut Annealed::new(config.clone(), model, sd, centre, isa)?, &stage)

@@ -1,4 +1,4 @@
-//! What was found, as Markdown, CSV and JSON.
+//! What was found, as Markdown and CSV.
 
 use super::expectations::{Expectation, errors};
 use super::film::SCORES;
@@ -8,7 +8,8 @@ use crate::papers::interval_tally::LEVELS;
 use crate::support::outcome::Outcome;
 use crate::support::statistics::verdict;
 use crate::support::store::numbers;
-use serde_json::{Value, json};
+use crate::support::table::{header, row};
+use serde_json::Value;
 use sinew_tests::finding::mean_and_error;
 use std::fmt::Write as _;
 use std::fs;
@@ -16,9 +17,9 @@ use std::path::Path;
 
 /// The expectations as a table.
 pub(super) fn expectations(all: &[Expectation]) -> String {
-    let mut out = String::from("| | expected | criterion | found | |\n|---|---|---|---|---|\n");
+    let mut out = header("| | expected | criterion | found | |");
     for Expectation { id, what, criterion, ours, holds } in all {
-        let _ = writeln!(out, "| {id} | {what} | {criterion} | {ours} | {} |", verdict(*holds));
+        row!(out, "{id} | {what} | {criterion} | {ours} | {}", verdict(*holds));
     }
     out
 }
@@ -103,7 +104,7 @@ fn film(study: &Study) -> Outcome<String> {
 }
 
 /// Writes the tables of what was run; others stay as they are.
-pub(super) fn write(study: &Study, judged: &[Expectation], described: &Value, folder: &Path) -> Outcome<()> {
+pub(super) fn write(study: &Study, judged: &[Expectation], folder: &Path) -> Outcome<()> {
     type Table = fn(&Study) -> Outcome<String>;
     let tables: [(Part, &str, Table); 4] = [
         (Part::Coverage, "coverage.csv", coverage),
@@ -117,15 +118,5 @@ pub(super) fn write(study: &Study, judged: &[Expectation], described: &Value, fo
         }
     }
     fs::write(folder.join("expectations.md"), expectations(judged))?;
-    let of = |e: &Expectation| json!({ "id": e.id, "what": e.what, "criterion": e.criterion, "ours": e.ours, "holds": e.holds });
-    let results = json!({
-        "configuration": [&study.store.config, &study.film.config],
-        "seed": study.seed,
-        "isa": study.isa.name(),
-        "size": format!("{:?}", study.size),
-        "film": described,
-        "expectations": judged.iter().map(of).collect::<Vec<_>>(),
-    });
-    fs::write(folder.join("results.json"), serde_json::to_string_pretty(&results)?)?;
     Ok(())
 }

@@ -2,6 +2,7 @@
 //!
 //! The walk that is tracked is 07_01 of the CMU database, and what is tuned is tuned on 07_02 and 07_05 of the same person. Without the recordings the synthetic walker takes their place, with another stride for tuning.
 
+use crate::papers::masked_scene::SEGMENTS;
 use crate::support::outcome::Outcome;
 use sinew::body::{KinematicTree, hppf24};
 use sinew::files::{FNV_START, fnv};
@@ -26,25 +27,13 @@ pub(super) struct Walk {
     pub(super) states: Vec<Vec<f64>>,
 }
 
-/// Segments whose lengths determine the size.
-const LIMBS: [(&str, &str); 8] = [
-    ("LShoulder", "LElbow"),
-    ("RShoulder", "RElbow"),
-    ("LElbow", "LWrist"),
-    ("RElbow", "RWrist"),
-    ("LHip", "LKnee"),
-    ("RHip", "RKnee"),
-    ("LKnee", "LAnkle"),
-    ("RKnee", "RAnkle"),
-];
-
 /// Twists of straight limbs stay where they are, and joints lag by less than a millimetre.
 const FOLLOWING: MotionFollowing = MotionFollowing { damping: 1e-3, first_refits: 20 };
 
 impl Walk {
     /// Fits the body.
     pub(super) fn new(name: &str, motion: Trajectories) -> Outcome<Self> {
-        let scale = hppf24_scale::scale(&motion, &LIMBS, Scale::Medians)?;
+        let scale = hppf24_scale::scale(&motion, &SEGMENTS[2..], Scale::Medians)?;
         let tree = hppf24::tree(scale);
         let names: Vec<&str> = tree.points().iter().map(|point| point.name.as_str()).collect();
         let seen = motion.select(&names);

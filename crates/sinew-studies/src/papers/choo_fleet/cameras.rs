@@ -12,10 +12,10 @@ use super::figures::{self, CameraPoint};
 use super::problem::{MODELS, Model, Problem};
 use super::scene::{self, Source};
 use super::single::{self, Setting};
-use super::study::{FRAMES, Study, frame_name};
+use super::study::{FRAMES, Study, frame_name, tuned_step};
 use crate::support::outcome::Outcome;
 use crate::support::statistics::median;
-use crate::support::store::{Store, Task, numbers, run_all};
+use crate::support::store::{Store, Task, run_all};
 use serde_json::{Value, json};
 use sinew::body::Plan;
 use sinew::core::random::Stage;
@@ -115,20 +115,14 @@ impl View {
     }
 
     fn step(&self, store: &Store, variant: Variant) -> Outcome<Step> {
-        let value = store.get(&self.tuning_key(variant)).ok_or("a step was not tuned")?;
-        let number = |name: &str| value[name].as_f64().ok_or("a step was not stored");
-        Ok(Step { eta: number("eta")?, steps: number("steps")? as usize, acceptance: number("acceptance")? })
+        tuned_step(store, &self.tuning_key(variant))
     }
 
     /// The cells of a contender in a frame, by rising cost.
     fn curve(&self, store: &Store, frame: usize, of: Option<Variant>) -> Outcome<Vec<Cell>> {
-        let mean = numbers(&store.get(&self.reference_key(frame)).ok_or("a reference is missing")?["mean"]);
-        let factor = store.get(&self.factor_key()).and_then(Value::as_f64).ok_or("a gradient factor is missing")?;
-        let cell = |setting: &Setting| {
-            let value = store.get(&self.cell_key(frame, setting)).ok_or("a cell is missing")?;
-            Ok(curves::cell(value, &mean, factor))
-        };
-        self.settings(of).iter().map(cell).collect()
+        let settings = self.settings(of);
+        let keys = settings.iter().map(|setting| self.cell_key(frame, setting));
+        curves::cells([store; 2], [&self.reference_key(frame), &self.factor_key()], keys)
     }
 }
 
@@ -233,7 +227,7 @@ fn report(study: &Study, store: &Store, folder: &Path) -> Outcome<Value> {
     let mut table = String::from(
         "dim,cameras,sigma,contender,eta,steps,pf_over_hmc,low,high,pf_over_hmc_seconds,low_seconds,high_seconds,extrapolated_frames,median_effective,log10_volume_det,largest_r_hat\n",
     );
-    let (mut points, mut rows) = (vec![], vec![]);
+    let mut points = vec![];
     for view in View::all() {
         let Frames { effective, volume, r_hat } = Frames::for_view(study, store, &view)?;
         for variant in VARIANTS {
@@ -252,20 +246,6 @@ fn report(study: &Study, store: &Store, folder: &Path) -> Outcome<Value> {
                 step.eta,
                 step.steps
             );
-            rows.push(json!({
-                "dim": view.model.dim,
-                "cameras": view.count(),
-                "sigma": view.sigma,
-                "contender": variant.name(),
-                "eta": step.eta,
-                "steps": step.steps,
-                "pf_over_hmc": [a, b, c],
-                "pf_over_hmc_seconds": [d, e, f],
-                "extrapolated_frames": extrapolated,
-                "median_effective": effective,
-                "log10_volume_det": volume,
-                "largest_r_hat": r_hat,
-            }));
             let (dim, cameras, sigma) = (view.model.dim, view.count(), view.sigma);
             points.push(CameraPoint { dim, cameras, sigma, variant, ratio: [a, b, c] });
         }
@@ -278,7 +258,7 @@ fn report(study: &Study, store: &Store, folder: &Path) -> Outcome<Value> {
         .filter(|view| view.sigma == SIGMAS[0])
         .map(|view| json!({ "dim": view.model.dim, "cameras": view.count(), "gradient_factor": store.get(&view.factor_key()) }))
         .collect();
-    Ok(json!({ "configuration": store.config, "gradient_factors": factors, "rows": rows }))
+    Ok(json!({ "configuration": store.config, "gradient_factors": factors }))
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use sinew_tests::evaluation::equal_variance::Cell;
 use sinew_tests::evaluation::volumes::log10_volume_ratios;
 
 /// A cell from what was stored, the mean of the reference, and the cost of a gradient in likelihoods.
-pub(super) fn cell(value: &Value, mean: &[f64], factor: f64) -> Cell {
+fn cell(value: &Value, mean: &[f64], factor: f64) -> Cell {
     let number = |name: &str| value[name].as_f64().unwrap_or(f64::NAN);
     let square = |run: &Vec<f64>| run.iter().zip(mean).map(|(a, b)| (a - b).powi(2)).collect();
     Cell {
@@ -25,6 +25,18 @@ pub(super) fn cell(value: &Value, mean: &[f64], factor: f64) -> Cell {
     }
 }
 
+/// Stored cells by their keys; the reference and the cost of a gradient are kept in `base`.
+pub(super) fn cells(
+    [base, store]: [&Store; 2],
+    [reference, factor]: [&str; 2],
+    keys: impl Iterator<Item = String>,
+) -> Outcome<Vec<Cell>> {
+    let mean = numbers(&base.get(reference).ok_or("a reference is missing")?["mean"]);
+    let factor = base.get(factor).and_then(Value::as_f64).ok_or("a gradient factor is missing")?;
+    let of = |key: String| Ok(cell(store.get(&key).ok_or(format!("the cell {key} is missing"))?, &mean, factor));
+    keys.map(of).collect()
+}
+
 /// The cells of one contender in one frame, by rising cost.
 pub(super) fn curve(
     study: &Study,
@@ -34,23 +46,12 @@ pub(super) fn curve(
     model: &Model,
     of: Option<Variant>,
 ) -> Outcome<Vec<Cell>> {
-    let reference = store.get(&reference_key(source, frame, model)).ok_or("a reference is missing")?;
-    let mean = numbers(&reference["mean"]);
-    let factor = store.get(&factor_key(model)).and_then(|f| f.as_f64()).ok_or("a gradient factor is missing")?;
-    let mut cells = vec![];
-    for setting in study.settings(model) {
-        let belongs = match setting {
-            Setting::Particles(_) => of.is_none(),
-            Setting::Updates(variant, _) => of == Some(variant),
-        };
-        if !belongs {
-            continue;
-        }
-        let key = cell_key(source, frame, model, &setting);
-        let value = store.get(&key).ok_or(format!("the cell {key} is missing"))?;
-        cells.push(cell(value, &mean, factor));
-    }
-    Ok(cells)
+    let belongs = |setting: &Setting| match setting {
+        Setting::Particles(_) => of.is_none(),
+        Setting::Updates(variant, _) => of == Some(*variant),
+    };
+    let keys = study.settings(model).into_iter().filter(belongs).map(|of| cell_key(source, frame, model, &of));
+    cells([store; 2], [&reference_key(source, frame, model), &factor_key(model)], keys)
 }
 
 /// Slope of log variance against log R from R = 32 on.

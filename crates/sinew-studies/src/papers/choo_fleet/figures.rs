@@ -9,7 +9,7 @@ use super::multi::SHOWN_FRAME;
 use super::problem::MODELS;
 use super::scene::Source;
 use super::study::{MULTI, Study, filters, frame_name, multi_key, reference_key, series};
-use crate::support::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel, panel_with};
+use crate::support::chart::{self, BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, Panel, bare, finish, with_bar};
 use crate::support::outcome::Outcome;
 use crate::support::store::Store;
 use plotters::prelude::*;
@@ -29,7 +29,7 @@ fn colour(of: Option<Variant>) -> RGBColor {
 
 /// A logarithm in base ten with its ends at two standard errors.
 fn decades(x: f64, natural_log: f64, error: f64) -> [f64; 4] {
-    let [y, low, high] = [natural_log, natural_log - 2.0 * error, natural_log + 2.0 * error].map(|v| v / LN_10);
+    let [_, y, low, high] = with_bar(x, [natural_log, error]).map(|v| v / LN_10);
     [x, y, low, high]
 }
 
@@ -42,11 +42,9 @@ fn contenders(study: &Study) -> Vec<(String, Option<Variant>)> {
 fn variances(study: &Study, store: &Store, path: &Path) -> Outcome<()> {
     let stage = Stage::new(study.seed, "choo-fleet bootstrap");
     let columns = study.size.frames.len();
-    let root = SVGBackend::new(path, (300 * columns as u32, 840)).into_drawing_area();
-    root.fill(&WHITE)?;
-    let areas = root.split_evenly((MODELS.len(), columns));
-    for (row, model) in MODELS.iter().enumerate() {
-        for (column, &frame) in study.size.frames.iter().enumerate() {
+    let mut panels = vec![];
+    for model in &MODELS {
+        for &frame in &study.size.frames {
             let mut lines = vec![];
             for (name, of) in contenders(study) {
                 let cells = curve(study, store, Source::Recorded, frame, model, of)?;
@@ -54,24 +52,17 @@ fn variances(study: &Study, store: &Store, path: &Path) -> Outcome<()> {
                 lines.push(Line { name, colour: colour(of), points: cells.iter().map(point).collect() });
             }
             let title = format!("{}-D, {}", model.dim, frame_name(frame));
-            panel(
-                &areas[row * columns + column],
-                &title,
-                "cost, likelihoods",
-                "variance (geometric mean)",
-                &lines,
-                [true; 2],
-            )?;
+            let axes = ["cost, likelihoods", "variance (geometric mean)"];
+            panels.push(Panel { title, axes, lines, in_decades: [true; 2], names: Names::Inside });
         }
     }
-    finish(&root)
+    chart::draw(path, (300 * columns as u32, 840), (MODELS.len(), columns), &panels)
 }
 
 /// Variance of every variable against cost in the tuning frame, particle filter and the paper's chains: a column a model.
 fn variables(study: &Study, store: &Store, path: &Path) -> Outcome<()> {
-    let root = SVGBackend::new(path, (1200, 420)).into_drawing_area();
-    root.fill(&WHITE)?;
-    for (model, area) in MODELS.iter().zip(root.split_evenly((1, MODELS.len()))) {
+    let mut panels = vec![];
+    for model in &MODELS {
         let mut lines = vec![];
         for (name, of) in [("particle filter", None), ("hmc, paper's L", Some(Variant::Paper))] {
             let cells = curve(study, store, Source::Recorded, study.size.frames[0], model, of)?;
@@ -85,21 +76,16 @@ fn variables(study: &Study, store: &Store, path: &Path) -> Outcome<()> {
             }
         }
         let title = format!("{}-D, {}, each variable", model.dim, frame_name(study.size.frames[0]));
-        panel(&area, &title, "cost, likelihoods", "variance", &lines, [true; 2])?;
+        let axes = ["cost, likelihoods", "variance"];
+        panels.push(Panel { title, axes, lines, in_decades: [true; 2], names: Names::Inside });
     }
-    finish(&root)
+    chart::draw(path, (1200, 420), (1, MODELS.len()), &panels)
 }
 
 /// Log likelihood of the mean and log prior of the truth over frames.
 fn frames(study: &Study, store: &Store, path: &Path) -> Outcome<()> {
-    let root = SVGBackend::new(path, (1000, 760)).into_drawing_area();
-    root.fill(&WHITE)?;
-    let areas = root.split_evenly((2, MULTI.len()));
-    for (row, (name, words)) in
-        [("log_likelihood", "log likelihood of the mean"), ("log_prior", "log prior of the truth")]
-            .into_iter()
-            .enumerate()
-    {
+    let mut panels = vec![];
+    for (name, words) in [("log_likelihood", "log likelihood of the mean"), ("log_prior", "log prior of the truth")] {
         for (index, (model, _)) in MULTI.iter().enumerate() {
             let both = series(study, store, Source::Recorded, index, name)?;
             let line = |(runs, (name, of)): (&Vec<Vec<f64>>, (&str, Option<Variant>))| {
@@ -107,31 +93,22 @@ fn frames(study: &Study, store: &Store, path: &Path) -> Outcome<()> {
                 let point = |frame: usize| {
                     let mean = runs.iter().map(|run| run[frame]).sum::<f64>() / n;
                     let variance = runs.iter().map(|run| (run[frame] - mean).powi(2)).sum::<f64>() / (n - 1.0);
-                    let error = (variance / n).sqrt();
-                    [frame as f64 + 1.0, mean, mean - 2.0 * error, mean + 2.0 * error]
+                    with_bar(frame as f64 + 1.0, [mean, (variance / n).sqrt()])
                 };
                 let points = (0..runs.first().map_or(0, Vec::len)).map(point).collect();
                 Line { name: name.into(), colour: colour(of), points }
             };
             let names = [("hmc, R = 32", Some(Variant::Paper)), ("particle filter", None)];
-            let lines: Vec<Line> = both.iter().zip(names).map(line).collect();
-            panel(
-                &areas[row * MULTI.len() + index],
-                &format!("{}-D", MODELS[*model].dim),
-                "frame",
-                words,
-                &lines,
-                [false; 2],
-            )?;
+            let (title, lines) = (format!("{}-D", MODELS[*model].dim), both.iter().zip(names).map(line).collect());
+            let (axes, names) = (["frame", words], Names::Inside);
+            panels.push(Panel { title, axes, lines, in_decades: [false; 2], names });
         }
     }
-    finish(&root)
+    chart::draw(path, (1000, 760), (2, MULTI.len()), &panels)
 }
 
 /// Cost of particles over that of chains against the number of degrees of freedom.
 pub(super) fn crossover(found: &[Crossover], path: &Path) -> Outcome<()> {
-    let root = SVGBackend::new(path, (640, 420)).into_drawing_area();
-    root.fill(&WHITE)?;
     let mut lines = vec![];
     for variant in [Variant::Best, Variant::Dense] {
         let of = found.iter().filter(|c| c.variant == variant);
@@ -145,34 +122,33 @@ pub(super) fn crossover(found: &[Crossover], path: &Path) -> Outcome<()> {
             points: of.map(point).collect(),
         });
     }
-    let even = [[2.0, 0.0, 0.0, 0.0], [28.0, 0.0, 0.0, 0.0]].to_vec();
+    let even = [2.0, 28.0].map(|dim| bare(dim, 0.0)).to_vec();
     lines.push(Line { name: "equal cost".into(), colour: GREY, points: even });
-    let title = "Cost of the particle filter over that of hmc at equal variance";
-    panel(&root, title, "degrees of freedom", "ratio", &lines, [false, true])?;
-    finish(&root)
+    let title = "Cost of the particle filter over that of hmc at equal variance".into();
+    let axes = ["degrees of freedom", "ratio"];
+    let panel = Panel { title, axes, lines, in_decades: [false, true], names: Names::Inside };
+    chart::draw(path, (640, 420), (1, 1), &[panel])
 }
 
 /// A title and the curves of its contenders.
 pub(super) type Curves = (String, Vec<(&'static str, Vec<Cell>)>);
 
 /// Geometric mean of the variances against cost, hybrid Monte Carlo and its opponents: a row a frame, a column a model. Panels come model by model.
-pub(super) fn opponents(panels: &[Curves], rows: usize, stage: &Stage, path: &Path) -> Outcome<()> {
+pub(super) fn opponents(all: &[Curves], rows: usize, stage: &Stage, path: &Path) -> Outcome<()> {
     const COLOURS: [RGBColor; 6] = [ORANGE, BLUE, GREEN, BLACK, GREY, PURPLE];
-    let columns = panels.len() / rows;
-    let root = SVGBackend::new(path, (440 * columns as u32, 270 * rows as u32)).into_drawing_area();
-    root.fill(&WHITE)?;
-    let areas = root.split_evenly((rows, columns));
-    for (place, (title, curves)) in panels.iter().enumerate() {
+    let columns = all.len() / rows;
+    let panel = |(title, curves): &Curves| {
         let line = |((name, cells), colour): (&(&str, Vec<Cell>), RGBColor)| {
             let point = |c: &Cell| decades(c.cost(Axis::Units).log10(), c.log_mean(), c.log_mean_error(stage));
             Line { name: (*name).into(), colour, points: cells.iter().map(point).collect() }
         };
-        let lines: Vec<Line> = curves.iter().zip(COLOURS).map(line).collect();
-        let area = &areas[place % rows * columns + place / rows];
+        let (title, lines) = (title.clone(), curves.iter().zip(COLOURS).map(line).collect());
         let axes = ["cost, likelihoods", "variance, geometric mean, rad² and m²"];
-        panel_with(area, title, axes, &lines, [true; 2], Names::Beside(130))?;
-    }
-    finish(&root)
+        Panel { title, axes, lines, in_decades: [true; 2], names: Names::Beside(130) }
+    };
+    let places = (0..rows).flat_map(|row| (0..columns).map(move |column| column * rows + row));
+    let panels: Vec<Panel<'_>> = places.map(|place| panel(&all[place])).collect();
+    chart::draw(path, (440 * columns as u32, 270 * rows as u32), (rows, columns), &panels)
 }
 
 /// Cost of particles over that of chains with a number of cameras and an error.
@@ -186,11 +162,9 @@ pub(super) struct CameraPoint {
 
 /// Cost of particles over that of chains against the error of the images, one line a number of cameras: a row a metric, a column a model.
 pub(super) fn cameras(found: &[CameraPoint], path: &Path) -> Outcome<()> {
-    let root = SVGBackend::new(path, (960, 760)).into_drawing_area();
-    root.fill(&WHITE)?;
-    let areas = root.split_evenly((2, 2));
-    for (row, variant) in [Variant::Best, Variant::Dense].into_iter().enumerate() {
-        for (column, dim) in [10, 28].into_iter().enumerate() {
+    let mut panels = vec![];
+    for variant in [Variant::Best, Variant::Dense] {
+        for dim in [10, 28] {
             let line = |(cameras, colour): (usize, RGBColor)| {
                 let of = found.iter().filter(|p| (p.dim, p.variant, p.cameras) == (dim, variant, cameras));
                 let point = |p: &CameraPoint| {
@@ -200,14 +174,13 @@ pub(super) fn cameras(found: &[CameraPoint], path: &Path) -> Outcome<()> {
                 let name = if cameras == 1 { "1 camera".into() } else { format!("{cameras} cameras") };
                 Line { name, colour, points: of.map(point).collect() }
             };
-            let lines: Vec<Line> = [(1, BLUE), (2, GREEN), (4, ORANGE)].into_iter().map(line).collect();
-            let title = format!("{dim}-D, {}", variant.name());
-            let area = &areas[row * 2 + column];
+            let lines = [(1, BLUE), (2, GREEN), (4, ORANGE)].into_iter().map(line).collect();
+            let (title, names) = (format!("{dim}-D, {}", variant.name()), Names::Beside(75));
             let axes = ["error, focal lengths", "cost of pf over cost of hmc"];
-            panel_with(area, &title, axes, &lines, [true; 2], Names::Beside(75))?;
+            panels.push(Panel { title, axes, lines, in_decades: [true; 2], names });
         }
     }
-    finish(&root)
+    chart::draw(path, (960, 760), (2, 2), &panels)
 }
 
 /// Bones of CF28 by the names of its points.

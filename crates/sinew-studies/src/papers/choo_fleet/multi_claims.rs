@@ -58,7 +58,6 @@ pub(super) fn multi_claims(study: &Study, store: &Store, claims: &mut Vec<Claim>
         ours: format!("hmc − pf: {}; with markers of the fitted body: {}", main.likelihoods, control.likelihoods),
         criterion: "differences over frames 5–25 above 0 with z > 3, in 10-D and 28-D",
         pass: main.higher,
-        direction: main.higher,
     });
     claims.push(Claim {
         id: "CF10",
@@ -66,7 +65,6 @@ pub(super) fn multi_claims(study: &Study, store: &Store, claims: &mut Vec<Claim>
         ours: format!("{}; with markers of the fitted body: {}", main.errors, control.errors),
         criterion: "mean joint error lower with z > 3",
         pass: main.nearer,
-        direction: main.nearer,
     });
     Ok(())
 }

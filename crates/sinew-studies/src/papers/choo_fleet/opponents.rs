@@ -180,18 +180,6 @@ fn key(frame: usize, model: &Model, opponent: Opponent, size: usize) -> String {
     format!("opponents/{}/{}/{}, N = {size}", frame_name(frame), model.name(), opponent.name())
 }
 
-/// The cells of an opponent in one frame, by rising cost.
-fn cells(base: &Store, store: &Store, frame: usize, model: &Model, opponent: Opponent) -> Outcome<Vec<Cell>> {
-    let reference = base.get(&reference_key(Source::Recorded, frame, model)).ok_or("a reference is missing")?;
-    let factor = base.get(&factor_key(model)).and_then(Value::as_f64).ok_or("a gradient factor is missing")?;
-    let mean = numbers(&reference["mean"]);
-    let of = |size: usize| {
-        let value = store.get(&key(frame, model, opponent, size)).ok_or("a cell of an opponent is missing")?;
-        Ok(curves::cell(value, &mean, factor))
-    };
-    opponent.sizes(model).into_iter().map(of).collect()
-}
-
 /// A curve of one contender in one frame.
 struct Contender {
     name: &'static str,
@@ -235,12 +223,14 @@ fn contenders(study: &Study, base: &Store, store: &Store, frame: usize, model: &
         })
     };
     let mut all = vec![known(None)?, known(Some(Variant::Paper))?];
+    let reference = reference_key(Source::Recorded, frame, model);
     for opponent in Opponent::ALL {
+        let keys = opponent.sizes(model).into_iter().map(|size| key(frame, model, opponent, size));
         all.push(Contender {
             name: opponent.name(),
             kind: opponent.kind(),
             settings: opponent.sizes(model).to_vec(),
-            cells: cells(base, store, frame, model, opponent)?,
+            cells: curves::cells([base, store], [&reference, &factor_key(model)], keys)?,
         });
     }
     all.push(known(Some(Variant::Dense))?);

@@ -12,11 +12,11 @@ use sinew::body::{KinematicTree, Plan, standard};
 use sinew::core::lanes::Isa;
 use sinew::core::random::Stage;
 use sinew::files::fnv;
-use sinew::formats::{amc, asf};
 use sinew_body::points::Trajectories;
 use sinew_markers::{MarkerModel, MarkerView};
 use sinew_motion::cmu;
 use sinew_motion::retarget;
+use sinew_tests::recorded_motion::recorded;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -84,10 +84,8 @@ fn with_face(points: &mut Trajectories) -> Outcome<()> {
 pub(super) fn motion(data: &Path, name: &str) -> Outcome<Motion> {
     let folder = data.join("cmu_amc");
     let subject = name.split('_').next().unwrap_or(name);
-    let text = |file: String| std::fs::read_to_string(folder.join(file));
-    let skeleton = asf::read(name, &text(format!("{subject}.asf"))?)?;
-    let moved = amc::read(name, &text(format!("{name}.amc"))?, &skeleton)?;
-    let mut points = cmu::joints(&skeleton, &moved, 1.0);
+    let [motion, skeleton] = [format!("{name}.amc"), format!("{subject}.asf")].map(|file| folder.join(file));
+    let mut points = recorded(&motion, &skeleton, cmu::RATE_HZ)?;
     with_face(&mut points)?;
     let fitted = retarget::retarget_to(standard::cf28, &points).ok_or("no pose in the first frame")?;
     let names: Vec<&str> = fitted.body.points().iter().map(|point| point.name.as_str()).collect();

@@ -132,7 +132,12 @@ pub(super) fn reference_key(source: Source, frame: usize, model: &Model) -> Stri
 }
 
 pub(super) fn step_of(store: &Store, model: &Model, variant: Variant) -> Outcome<Step> {
-    let value = store.get(&tuning_key(model, variant)).ok_or("a step was not tuned")?;
+    tuned_step(store, &tuning_key(model, variant))
+}
+
+/// A step that was tuned, by its key.
+pub(super) fn tuned_step(store: &Store, key: &str) -> Outcome<Step> {
+    let value = store.get(key).ok_or("a step was not tuned")?;
     let number = |name: &str| value[name].as_f64().ok_or("a step was not stored");
     Ok(Step { eta: number("eta")?, steps: number("steps")? as usize, acceptance: number("acceptance")? })
 }

@@ -123,9 +123,7 @@ fn frames_in_a_row(study: &Study, store: &Store, is_run: bool) -> Outcome<String
 }
 
 /// What was run and what it came to, apart from the tables.
-fn results(study: &Study, store: &Store, claims: &[Claim], beyond: &Map<String, Value>) -> Outcome<Value> {
-    let claim =
-        |c: &Claim| json!({ "id": c.id, "paper": c.paper, "ours": c.ours, "criterion": c.criterion, "pass": c.pass });
+fn results(study: &Study, store: &Store, beyond: &Map<String, Value>) -> Outcome<Value> {
     let mut tuned = Map::new();
     for model in &MODELS {
         for variant in Variant::ALL {
@@ -148,7 +146,6 @@ fn results(study: &Study, store: &Store, claims: &[Claim], beyond: &Map<String, 
         "models": factors,
         "tuned": tuned,
         "fit_mm": fit,
-        "claims": claims.iter().map(claim).collect::<Vec<_>>(),
         "beyond": beyond,
     }))
 }
@@ -185,7 +182,7 @@ pub(super) fn write(
             fs::write(folder.join(name), text)?;
         }
     }
-    let results = results(study, store, claims, beyond)?;
+    let results = results(study, store, beyond)?;
     fs::write(folder.join("results.json"), serde_json::to_string_pretty(&results)?)?;
     Ok(())
 }

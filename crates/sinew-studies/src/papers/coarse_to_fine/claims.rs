@@ -3,9 +3,10 @@
 //! Every reading is judged for itself. The second estimates are compared: X̂ against the weighted mean. Where a criterion says "1 SE", it is that of the paired difference over seeds.
 
 use super::contender::{Contender, Reading};
-use super::results::{Estimate, Mean, Results, mean};
+use super::results::Estimate;
 use super::scene::Scene;
 use crate::papers::claim::Claim;
+use crate::papers::seed_results::{Mean, Results};
 use crate::support::outcome::Outcome;
 use sinew_simulate::segmentation_noise::Level;
 
@@ -25,16 +26,15 @@ const LEAST_FRAMES: f64 = 0.6;
 fn paired(results: &Results<'_>, a: (&Contender, Estimate), b: (&Contender, Estimate), name: &str) -> Outcome<Mean> {
     let [a, b] = [a, b].map(|(contender, estimate)| results.means(LEVEL, contender, estimate, name));
     let differences: Vec<f64> = a?.iter().zip(&b?).map(|(a, b)| a - b).collect();
-    Ok(mean(&differences))
+    Ok(Mean::of(&differences))
 }
 
 fn fine_level(results: &Results<'_>, reading: &Reading) -> Outcome<Claim> {
-    let (mut found, mut pass, mut direction) = (vec![], true, true);
+    let (mut found, mut pass) = (vec![], true);
     for setting in &reading.settings() {
         let of = |name| paired(results, (setting, Estimate::Second), (setting, Estimate::First), name);
         let gains = [of("precision")?, of("recall")?];
         pass &= gains.iter().zip(LEAST_GAIN).all(|(gain, least)| gain.value >= least);
-        direction &= gains.iter().all(|gain| gain.value > 0.0);
         let [precision, recall] = gains.map(|gain| format!("{:+.1} ± {:.1}", gain.value, gain.error));
         found.push(format!("{}: {precision}, {recall}", setting.name()));
     }
@@ -44,17 +44,15 @@ fn fine_level(results: &Results<'_>, reading: &Reading) -> Outcome<Claim> {
         ours: found.join("; "),
         criterion: "at least 3 points of precision and 5 of recall, for each setting",
         pass,
-        direction,
     })
 }
 
 fn against_condensation(results: &Results<'_>, reading: &Reading) -> Outcome<Claim> {
-    let (mut found, mut pass, mut direction) = (vec![], true, true);
+    let (mut found, mut pass) = (vec![], true);
     for (c2f, opponent) in &reading.pairs() {
-        let of = |name| results.difference(LEVEL, [c2f, opponent], name);
+        let of = |name| results.gap(LEVEL, [c2f, opponent], name);
         let [precision, recall] = [of("precision")?, of("recall")?];
         pass &= precision.value >= 0.0 && precision.low >= -PRECISION_SLACK && recall.value >= LEAST_RECALL;
-        direction &= recall.value > 0.0;
         found.push(format!(
             "{} − {}: precision {:+.1} (bound {:+.1}), recall {:+.1} (bound {:+.1})",
             c2f.name(),
@@ -71,7 +69,6 @@ fn against_condensation(results: &Results<'_>, reading: &Reading) -> Outcome<Cla
         ours: found.join("; "),
         criterion: "all three pairs: precision at least equal, its one-sided 95 % bound not below −0.5; recall at least 3 points higher",
         pass,
-        direction,
     })
 }
 
@@ -88,12 +85,11 @@ fn more_particles(results: &Results<'_>, reading: &Reading) -> Outcome<Claim> {
         ),
         criterion: "precision and recall of 300+500 not lower by more than 1 SE",
         pass: gains.iter().all(|gain| gain.value >= -gain.error),
-        direction: gains[1].value > 0.0,
     })
 }
 
 fn likelihood(results: &Results<'_>, reading: &Reading) -> Outcome<Claim> {
-    let found = results.difference(LEVEL, [&reading.settings()[0], &reading.pairs()[2].1], "log_likelihood")?;
+    let found = results.gap(LEVEL, [&reading.settings()[0], &reading.pairs()[2].1], "log_likelihood")?;
     Ok(Claim {
         id: "CC4",
         paper: "a higher likelihood with 250 particles than CONDENSATION with 1500",
@@ -105,7 +101,6 @@ fn likelihood(results: &Results<'_>, reading: &Reading) -> Outcome<Claim> {
         ),
         criterion: "log likelihood of the estimate higher in at least 60 % of frames, and on average",
         pass: found.above >= LEAST_FRAMES && found.value > 0.0,
-        direction: found.value > 0.0,
     })
 }
 
@@ -113,23 +108,20 @@ fn smoothness(results: &Results<'_>, reading: &Reading) -> Outcome<Claim> {
     let settings = reading.settings();
     let mut found = vec![];
     for setting in &settings {
-        let of = mean(&results.means(LEVEL, setting, Estimate::Second, "second_difference")?);
-        found.push(format!("{:.4} ± {:.4}", of.value, of.error));
+        let of = Mean::of(&results.means(LEVEL, setting, Estimate::Second, "second_difference")?);
+        found.push(of.shown(4));
     }
     let mut pass = true;
     for pair in settings.windows(2) {
         let rise = paired(results, (&pair[1], Estimate::Second), (&pair[0], Estimate::Second), "second_difference")?;
         pass &= rise.value <= rise.error;
     }
-    let ends =
-        paired(results, (&settings[3], Estimate::Second), (&settings[0], Estimate::Second), "second_difference")?;
     Ok(Claim {
         id: "CC5",
         paper: "estimates get smoother as particles increase",
         ours: format!("50+200, 100+200, 300+200, 300+500: {}", found.join(", ")),
         criterion: "mean absolute second difference of X̂ not rising by more than 1 SE from setting to setting",
         pass,
-        direction: ends.value < 0.0,
     })
 }
 
@@ -153,7 +145,6 @@ fn finite(results: &Results<'_>, reading: &Reading, scene: &Scene) -> Outcome<Cl
         ),
         criterion: "exactly ⌈(θ_H − θ_L)/δ⌉ partitions, and every coarse particle of every frame on centres",
         pass: counted && on_centres,
-        direction: counted && on_centres,
     })
 }
 

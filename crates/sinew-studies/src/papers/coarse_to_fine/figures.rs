@@ -2,8 +2,9 @@
 
 use super::claims::LEVEL;
 use super::contender::{Contender, Reading};
-use super::results::{Estimate, Results};
-use crate::support::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, finish, panel_with};
+use super::results::Estimate;
+use crate::papers::seed_results::Results;
+use crate::support::chart::{self, BLUE, GREEN, GREY, Line, Names, ORANGE, PURPLE, Panel, bare};
 use crate::support::outcome::Outcome;
 use plotters::prelude::*;
 use std::path::Path;
@@ -13,28 +14,25 @@ const AVERAGED: usize = 5;
 
 /// Means over seeds of a quantity, every [`AVERAGED`] frames.
 fn line(results: &Results<'_>, of: &Contender, name: &str, colour: RGBColor) -> Outcome<Line> {
-    let runs = results.series(LEVEL, of, Estimate::Second, name)?;
+    let runs = results.estimated(LEVEL, of, Estimate::Second, name)?;
     let frames = runs.first().map_or(0, Vec::len);
     let point = |start: usize| {
         let end = (start + AVERAGED).min(frames);
         let sum: f64 = runs.iter().flat_map(|run| &run[start..end]).sum();
-        let value = sum / (runs.len() * (end - start)) as f64;
-        [0.5 * (start + end + 1) as f64, value, value, value]
+        bare(0.5 * (start + end + 1) as f64, sum / (runs.len() * (end - start)) as f64)
     };
     Ok(Line { name: of.name(), colour, points: (0..frames).step_by(AVERAGED).map(point).collect() })
 }
 
 /// Draws the figure of a reading.
 pub(super) fn draw(results: &Results<'_>, reading: &Reading, path: &Path) -> Outcome<()> {
-    let root = SVGBackend::new(path, (1000, 760)).into_drawing_area();
-    root.fill(&WHITE)?;
     let (settings, opponent) = (reading.settings(), reading.pairs()[2].1);
     let contenders = settings.iter().chain([&opponent]).zip([BLUE, GREEN, PURPLE, GREY, ORANGE]);
     let panels = [("log_likelihood", "log likelihood of the estimate"), ("recall", "recall, %")];
-    for ((name, words), area) in panels.into_iter().zip(root.split_evenly((2, 1))) {
-        let lines = contenders.clone().map(|(of, colour)| line(results, of, name, colour));
-        let lines = lines.collect::<Outcome<Vec<Line>>>()?;
-        panel_with(&area, "", ["frame", words], &lines, [false; 2], Names::Beside(140))?;
-    }
-    finish(&root)
+    let panel = |(name, words)| {
+        let lines = contenders.clone().map(|(of, colour)| line(results, of, name, colour)).collect::<Outcome<_>>()?;
+        let names = Names::Beside(140);
+        Ok(Panel { title: String::new(), axes: ["frame", words], lines, in_decades: [false; 2], names })
+    };
+    chart::draw(path, (1000, 760), (2, 1), &panels.into_iter().map(panel).collect::<Outcome<Vec<_>>>()?)
 }

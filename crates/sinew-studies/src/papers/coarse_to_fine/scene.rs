@@ -7,6 +7,7 @@
 //! - **Training**: two other walks of the subject, joined and bent as the test is; it has no running, of which the subject has no other trial. δ are the root mean squares of the changes of the poses fitted to it, which also settle the girths ([`super::girth`]). Ranges are nominal ones of the body; ±3 m around the start for the position, where the specification says ±2 m: the subject goes round on a circle 2.4 m across.
 
 use super::girth::Girths;
+use crate::papers::masked_scene::SEGMENTS;
 use crate::support::outcome::Outcome;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::body::{KinematicTree, hppf24};
@@ -36,20 +37,6 @@ const REACH_M: f64 = 3.0;
 
 /// Trials for training, with the skeleton `07`.
 const TRAINING: [&str; 2] = ["07_02", "07_05"];
-
-/// Segments whose lengths determine the scale.
-const SEGMENTS: [(&str, &str); 10] = [
-    ("MidHip", "Neck"),
-    ("Neck", "Head"),
-    ("LShoulder", "LElbow"),
-    ("RShoulder", "RElbow"),
-    ("LElbow", "LWrist"),
-    ("RElbow", "RWrist"),
-    ("LHip", "LKnee"),
-    ("RHip", "RKnee"),
-    ("LKnee", "LAnkle"),
-    ("RKnee", "RAnkle"),
-];
 
 /// The grid of one coordinate.
 #[derive(Clone, Copy, Debug)]

@@ -1,29 +1,26 @@
 //! What the study runs: groups of contenders with one level of noise, on images that cells share.
 
-use super::contender::{self, Contender, Person, Reading};
-use super::girth::Thickness;
+use super::contender::{self, Contender, Reading};
 use super::results::level_name;
 use super::scene::Scene;
 use super::track::{self, Seen};
+use crate::papers::shared_values::{Shared, shared};
 use crate::support::outcome::Outcome;
 use crate::support::store::{Store, Task, run_all};
 use sinew::core::lanes::Isa;
 use sinew::files::FNV_START;
 use sinew_simulate::segmentation_noise::Level;
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::PoisonError;
 
 /// Raised with every change of what a cell computes.
 const VERSION: u32 = 2;
-
-/// Images of a person, level and seed; drawn by the first cell that needs them.
-type Drawn = Arc<OnceLock<Seen>>;
 
 /// What all cells share.
 pub(super) struct Study {
     pub(super) scene: Scene,
     pub(super) isa: Isa,
-    pub(super) drawn: Mutex<BTreeMap<String, Drawn>>,
+    /// Images of a person, level and seed.
+    pub(super) drawn: Shared<Seen>,
 }
 
 impl Study {
@@ -36,20 +33,11 @@ impl Study {
         )
     }
 
-    fn seen(&self, who: (Person, Thickness), level: Level, seed: u64) -> Outcome<Drawn> {
-        let name = format!("{who:?} {level:?} {seed}");
-        let drawn = Arc::clone(self.drawn.lock().unwrap_or_else(PoisonError::into_inner).entry(name).or_default());
-        if drawn.get().is_none() {
-            let seen = Seen::new(&self.scene, who, level, seed, self.isa)?;
-            // Another cell may have drawn the same in the meantime.
-            let _ = drawn.set(seen);
-        }
-        Ok(drawn)
-    }
-
     fn task(&self, level: Level, contender: Contender, seed: u64) -> Task<'_> {
         let run = move || {
-            let drawn = self.seen((contender.person, contender.thickness), level, seed)?;
+            let who = (contender.person, contender.thickness);
+            let draw = || Seen::new(&self.scene, who, level, seed, self.isa);
+            let drawn = shared(&self.drawn, &format!("{who:?} {level:?} {seed}"), draw)?;
             let seen = drawn.get().ok_or("images were not drawn")?;
             track::cell(&self.scene, seen, &contender, seed, self.isa)
         };
@@ -61,7 +49,7 @@ impl Study {
 pub(super) struct Group {
     pub(super) level: Level,
     pub(super) what: What,
-    pub(super) seeds: Vec<u64>,
+    pub(super) seeds: u64,
     pub(super) contenders: Vec<Contender>,
 }
 
@@ -86,7 +74,7 @@ impl Group {
             What::Beside => contender::beside(),
             What::Pilot => contender::pilot(),
         };
-        Self { level, what, seeds: (1..=seeds).collect(), contenders }
+        Self { level, what, seeds, contenders }
     }
 
     pub(super) fn title(&self) -> String {
@@ -101,8 +89,8 @@ impl Group {
 
     /// One seed after the other.
     pub(super) fn run(&self, study: &Study, store: &mut Store, threads: usize) -> Outcome<()> {
-        let each = |&seed: &u64| self.contenders.iter().map(move |&of| study.task(self.level, of, seed));
-        let tasks = self.seeds.iter().flat_map(each).collect();
+        let each = |seed: u64| self.contenders.iter().map(move |&of| study.task(self.level, of, seed));
+        let tasks = (1..=self.seeds).flat_map(each).collect();
         let done = run_all(store, &self.title(), tasks, threads);
         study.drawn.lock().unwrap_or_else(PoisonError::into_inner).clear();
         done

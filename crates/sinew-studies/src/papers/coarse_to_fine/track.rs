@@ -4,10 +4,10 @@
 //!
 //! Two estimates a frame are measured: the *second* is what the method reports (X̂; a weighted mean; the true pose), the *first* its coarse stage X_c or, of other methods, the particle of the largest weight.
 
-use super::condensation::condensation;
 use super::contender::{Contender, EQ3, LAYERS, Method, Person};
 use super::girth::Thickness;
 use super::scene::{CAMERA, HEADING, RATE_HZ, Range, Scene};
+use crate::papers::worth::rounded;
 use crate::support::outcome::Outcome;
 use serde_json::{Value, json};
 use sinew::body::flesh::Flesh;
@@ -15,6 +15,7 @@ use sinew::body::hppf24;
 use sinew::core::density::{LogDensity as _, PartLogDensity as _};
 use sinew::core::lanes::{Block, Isa};
 use sinew::core::random::Stage;
+use sinew::dynamics::first_order::FirstOrder;
 use sinew::dynamics::random_walk::{Between, RandomWalk};
 use sinew::observe::ObservationModel as _;
 use sinew::observe::silhouettes::bit_image::{BitImage, overlap};
@@ -26,13 +27,16 @@ use sinew::observe::silhouettes::solid_body::{SolidBody, part_tree};
 use sinew::samplers::annealed_search;
 use sinew::samplers::grid::GridAxis;
 use sinew::tracking::coarse_to_fine::{self, CoarseToFine};
-use sinew::tracking::{StepInfo, Tracker, annealed, partitioned};
+use sinew::tracking::{StepInfo, Tracker, annealed, bootstrap, partitioned};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::ring::Ring;
 use sinew_simulate::segmentation_noise::{Level, segmented};
 use sinew_tests::evaluation::smoothness::second_differences;
 use std::sync::Arc;
 use std::time::Instant;
+
+/// Decimals that are stored.
+const DECIMALS: i32 = 4;
 
 /// The part A of the last change of the estimate by which particles move on (eq. 2).
 const DRIFT: f64 = 0.2;
@@ -112,7 +116,11 @@ impl Running {
                 let models = own_contours::alone(&seen.model, &scene.tree, &seen.flesh)?;
                 Self::OwnContours(Box::new(tracker), models)
             }
-            Method::Condensation(n) => Self::Other(Box::new(condensation(n, &sd, DRIFT, &start, isa)?)),
+            // With the motion of the coarse-to-fine tracker (eq. 2), without its grid.
+            Method::Condensation(particles) => {
+                let config = bootstrap::Config { particles, ..bootstrap::Config::default() };
+                Self::Other(Box::new(bootstrap::Bootstrap::new(config, FirstOrder::new(walk, DRIFT)?, start)?))
+            }
             Method::Annealed(particles) => {
                 let layers = annealed_search::Config { layers: LAYERS, ..annealed_search::Config::default() };
                 let config = annealed::Config { particles, layers };
@@ -202,7 +210,7 @@ impl Worth {
 
     fn value(&self, scene: &Scene) -> Value {
         let error = scene.relative_error_mm(&self.states);
-        let [precision, recall, clean_precision, clean_recall] = self.shares.each_ref().map(|v| rounded(v));
+        let [precision, recall, clean_precision, clean_recall] = self.shares.each_ref().map(|v| rounded(v, DECIMALS));
         // The heading differs the short way round.
         let difference = |j: usize, a: f64, b: f64| scene.ranges[j].axis.difference(a, b);
         json!({
@@ -210,17 +218,12 @@ impl Worth {
             "recall": recall,
             "clean_precision": clean_precision,
             "clean_recall": clean_recall,
-            "log_likelihood": rounded(&self.log_likelihood),
-            "parts": rounded(&self.parts),
-            "error_mm": rounded(&error),
+            "log_likelihood": rounded(&self.log_likelihood, DECIMALS),
+            "parts": rounded(&self.parts, DECIMALS),
+            "error_mm": rounded(&error, DECIMALS),
             "second_difference": second_differences(&self.states, difference),
         })
     }
-}
-
-/// Four decimals are enough to store.
-fn rounded(values: &[f64]) -> Vec<f64> {
-    values.iter().map(|x| (1e4 * x).round() / 1e4).collect()
 }
 
 /// Runs a contender.

@@ -3,10 +3,8 @@
 //! On poses made of numbers, where the posterior is known: a place of two coordinates and limbs of two on it. Latents are the coordinates themselves, so that nothing but the tracker's own steps takes its set away from the posterior. The hierarchy has the whole pose, and below it every limb.
 
 use crate::papers::interval_tally::COLUMNS;
-use crate::papers::known_posterior::{self, FIRST, STEP, Sight};
+use crate::papers::known_posterior::{self, Coverage, FIRST, STEP, Sight};
 use crate::support::outcome::Outcome;
-use crate::support::store::{Store, Task, run_all};
-use serde_json::{Value, json};
 use sinew::core::beside::Beside;
 use sinew::core::decode::{Identity, Linear};
 use sinew::core::density::Lanes;
@@ -25,23 +23,31 @@ use std::sync::Arc;
 /// Coordinates of the place and of a limb.
 const PLACE: usize = 2;
 const LIMB: usize = 2;
-const LIMBS: [usize; 3] = [1, 2, 4];
 
 /// Whose intervals are looked at.
 #[derive(Clone, Copy, Debug)]
-enum Contender {
+pub(super) enum Contender {
     Bootstrap(usize),
     Annealed,
     Gpapf,
     HApf,
 }
 
-const CONTENDERS: [(&str, Contender); 4] = [
+const CONTENDERS: &[(&str, Contender)] = &[
     ("bootstrap 20 000", Contender::Bootstrap(20_000)),
     ("annealed 5 x 100", Contender::Annealed),
     ("gpapf 5 x 100", Contender::Gpapf),
     ("h-apf 100", Contender::HApf),
 ];
+
+/// By limbs.
+pub(super) const COVERAGE: Coverage<Contender> = Coverage {
+    purpose: "h-apf coverage",
+    sizes: [1, 2, 4],
+    coordinates: |limbs| PLACE + LIMB * limbs,
+    contenders: CONTENDERS,
+    series,
+};
 
 /// All coordinates as one part.
 fn tree(limbs: usize) -> Outcome<PartTree> {
@@ -100,30 +106,4 @@ fn series(limbs: usize, contender: Contender, stage: Stage) -> Outcome<[f64; COL
         }
     };
     known_posterior::series(&tree, tracker, to_draw, to_track)
-}
-
-fn key(name: &str, size: usize, count: usize) -> String {
-    format!("coverage/{size}/{count}/{name}")
-}
-
-/// Runs what is not done yet, `count` series a contender and size.
-pub(super) fn run(store: &mut Store, count: usize, threads: usize) -> Outcome<()> {
-    let mut tasks: Vec<Task<'_>> = vec![];
-    for limbs in LIMBS {
-        for (name, contender) in CONTENDERS {
-            let work = move || -> Outcome<Value> {
-                let stage = Stage::new(1, "h-apf coverage");
-                let row = |run| Ok(series(limbs, contender, stage.round(run))?.to_vec());
-                Ok(json!((0..count).map(row).collect::<Outcome<Vec<Vec<f64>>>>()?))
-            };
-            tasks.push((key(name, PLACE + LIMB * limbs, count), 1.0, Box::new(work)));
-        }
-    }
-    run_all(store, "coverage", tasks, threads)
-}
-
-/// Coverage and spread by number of coordinates.
-pub(super) fn table(store: &Store, count: usize) -> Outcome<String> {
-    let (sizes, names) = (LIMBS.map(|limbs| PLACE + LIMB * limbs), CONTENDERS.map(|(name, _)| name));
-    known_posterior::table(store, &sizes, &names, |name, size| key(name, size, count))
 }

@@ -3,7 +3,7 @@
 use super::contender::{Contender, Method, Motion, OTHERS, PILOTED, PRINTED};
 use super::motions::RATE_HZ;
 use crate::papers::seed_results::Results;
-use crate::support::chart::{BLUE, GREEN, GREY, Line, Names, ORANGE, finish, panel_with};
+use crate::support::chart::{self, BLUE, GREEN, GREY, Line, Names, ORANGE, Panel, bare};
 use crate::support::outcome::Outcome;
 use plotters::prelude::*;
 use std::path::Path;
@@ -17,25 +17,27 @@ fn line(results: &Results<'_>, method: Method, motion: Motion, colour: RGBColor)
     let runs = results.series(&Contender { method, motion }, "/absolute")?;
     let frames = runs.first().map_or(0, Vec::len);
     let point = |frame: usize| {
-        let value = runs.iter().map(|run| run[frame]).sum::<f64>() / runs.len() as f64;
-        [(frame + 1) as f64 / RATE_HZ, value, value, value]
+        bare((frame + 1) as f64 / RATE_HZ, runs.iter().map(|run| run[frame]).sum::<f64>() / runs.len() as f64)
     };
     Ok(Line { name: method.name(), colour, points: (0..frames).map(point).collect() })
 }
 
 /// A motion with the methods that are drawn on it.
-type Panel = (Motion, Vec<(Method, RGBColor)>);
+type Drawn = (Motion, Vec<(Method, RGBColor)>);
 
-fn draw(results: &Results<'_>, panels: &[Panel], path: &Path) -> Outcome<()> {
-    let root = SVGBackend::new(path, (900, 320 * panels.len() as u32)).into_drawing_area();
-    root.fill(&WHITE)?;
-    for ((motion, methods), area) in panels.iter().zip(root.split_evenly((panels.len(), 1))) {
+fn draw(results: &Results<'_>, all: &[Drawn], path: &Path) -> Outcome<()> {
+    let panel = |(motion, methods): &Drawn| {
         let lines = methods.iter().map(|&(method, colour)| line(results, method, *motion, colour));
-        let lines = lines.collect::<Outcome<Vec<Line>>>()?;
-        let axes = ["time, s", "absolute error, mm"];
-        panel_with(&area, &motion.name(), axes, &lines, [false; 2], Names::Beside(MARGIN))?;
-    }
-    finish(&root)
+        Ok(Panel {
+            title: motion.name(),
+            axes: ["time, s", "absolute error, mm"],
+            lines: lines.collect::<Outcome<_>>()?,
+            in_decades: [false; 2],
+            names: Names::Beside(MARGIN),
+        })
+    };
+    let panels = all.iter().map(panel).collect::<Outcome<Vec<_>>>()?;
+    chart::draw(path, (900, 320 * panels.len() as u32), (panels.len(), 1), &panels)
 }
 
 /// Draws figure 1 of one motion and some methods into a folder.
@@ -47,7 +49,7 @@ pub(super) fn walk(results: &Results<'_>, (motion, of): (Motion, &[Contender]), 
 /// Draws both figures into a folder.
 pub(super) fn all(results: &Results<'_>, folder: &Path) -> Outcome<()> {
     let mean_pose = (Method::MeanPose, GREY);
-    let panel = |motion, methods: &[Method]| -> Panel {
+    let panel = |motion, methods: &[Method]| -> Drawn {
         let coloured = methods.iter().copied().zip([BLUE, ORANGE, GREEN]).chain([mean_pose]);
         (motion, coloured.collect())
     };

@@ -13,6 +13,7 @@ use crate::support::outcome::Outcome;
 use crate::support::processor_time::thread_seconds;
 use crate::support::statistics::mean;
 use crate::support::store::{Store, Task, run_all};
+use crate::support::table::{header, row};
 use serde_json::{Value, json};
 use sinew::core::density::LogDensity as _;
 use sinew::core::lanes::Isa;
@@ -130,7 +131,7 @@ fn cell(
 }
 
 /// Runs what is not done yet of the pilot; its report.
-pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>, threads: usize) -> Outcome<String> {
+pub(super) fn pilot(data: &Path, folder: &Path, threads: usize) -> Outcome<String> {
     let taught = Taught::new(data, folder, Lesson::Walks)?;
     let scene = scene(data, Motion::Pilot)?;
     let means = mean_poses(&scene, &taught.mean_pose);
@@ -139,14 +140,16 @@ pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>, threads: usi
     let mut text = tables::models([(Lesson::Walks, &taught)])?;
     let _ = writeln!(text, "\n{}", tables::noise([(Lesson::Walks, &taught)]));
     let _ = writeln!(text, "{} frames, fit {:.1} mm\n", scene.truth.len(), 1e3 * scene.fit_error_m);
-    text += "| | absolute, mm | relative, mm | limb ratio | frames below 150 mm, % | kept | heading off by seed, ° | log weight of true pose | of mean pose | of estimate | processor time a frame, ms |\n|---|---|---|---|---|---|---|---|---|---|---|\n";
+    text += &header(
+        "| | absolute, mm | relative, mm | limb ratio | frames below 150 mm, % | kept | heading off by seed, ° | log weight of true pose | of mean pose | of estimate | processor time a frame, ms |",
+    );
     for (name, found) in [("mean pose", &mean_pose), ("first pose", &frozen)] {
-        let _ = writeln!(text, "| {name} | {} | | | | | |", row(std::slice::from_ref(found), &mean_pose));
+        row!(text, "{name} | {} | | | | |", row(std::slice::from_ref(found), &mean_pose));
     }
     let all = TRIED.iter().flat_map(|&(compared, score, tuning, methods)| {
         methods.iter().map(move |&method| (format!("{}, {compared}", method.name()), (score, tuning, method)))
     });
-    let all: Vec<_> = all.filter(|(name, _)| only.is_none_or(|only| name.contains(only))).collect();
+    let all: Vec<_> = all.collect();
     let taught = &taught;
     let tasks = all.iter().map(|(name, tried)| -> Task<'_> {
         let (scene, means) = (&scene, &means);
@@ -157,7 +160,7 @@ pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>, threads: usi
         Store::open(&folder.join("pilot"), &format!("{VIEW:?}, {TUNING:?}, {:?}", taught.hierarchy.objective))?;
     run_all(&mut store, "pilot", tasks.collect(), threads)?;
     for (name, _) in &all {
-        let _ = writeln!(text, "| {name} | {} |", store.get(name).and_then(Value::as_str).unwrap_or_default());
+        row!(text, "{name} | {}", store.get(name).and_then(Value::as_str).unwrap_or_default());
     }
     Ok(text)
 }

@@ -2,11 +2,10 @@
 
 use super::contender::{Contender, Disturbance, Method, Motion, disturbed};
 use super::motions::{BLANK_FRAMES, DISTURBED, FOUND_WITHIN};
-use crate::papers::seed_results::{Mean, ONE_SIDED, REPLICATES, Results};
+use crate::papers::seed_results::{Mean, ONE_SIDED, REPLICATES, Results, differences};
 use crate::papers::worth::{Errors, lost, recovered};
 use crate::support::outcome::Outcome;
 use crate::support::statistics::mean;
-use crate::support::store::numbers;
 use sinew_tests::evaluation::grouped_block_bootstrap;
 
 /// A method on a motion.
@@ -15,17 +14,6 @@ const fn on(method: Method, motion: Motion) -> Contender {
 }
 
 impl Results<'_> {
-    /// Errors of each seed, with the mean pose's.
-    fn runs(&self, contender: &Contender) -> Outcome<Vec<[Errors; 2]>> {
-        let run = |seed| {
-            let cell = self.cell(contender, seed)?;
-            let of = |name: &str| numbers(&cell[name]);
-            let found = Errors { absolute: of("absolute"), relative: of("relative"), limbs: of("limbs") };
-            Ok([found, Errors { absolute: vec![], relative: vec![], limbs: of("mean_pose_limbs") }])
-        };
-        (1..=self.seeds).map(run).collect()
-    }
-
     /// Mean over motions of a quantity's mean over frames and seeds; the error is over motions, and of a single one over seeds.
     pub(super) fn over(&self, method: Method, motions: &[Motion], path: &str) -> Outcome<Mean> {
         let of = |motion: &Motion| self.mean(&on(method, *motion), path, None);
@@ -61,9 +49,7 @@ impl Results<'_> {
         let mut groups = vec![];
         for motion in motions {
             let [a, b] = [a, b].map(|method| self.series(&on(method, *motion), "/absolute"));
-            let (a, b) = (a?, b?);
-            let pairs = a.iter().zip(&b).map(|(a, b)| a.iter().zip(b).map(|(a, b)| a - b).collect());
-            groups.push(pairs.collect::<Vec<Vec<f64>>>());
+            groups.push(differences(&a?, &b?));
         }
         let value = mean(groups.iter().map(|series| mean(series.concat())).collect::<Vec<_>>());
         let reach = ONE_SIDED * grouped_block_bootstrap(&groups, self.block, REPLICATES, 1);

@@ -4,10 +4,10 @@ use super::contender::{Contender, Disturbance, Method, Motion};
 use super::motions::{BLANK_FRAMES, DISTURBED};
 use super::trackers::Spaces;
 use crate::papers::masked_scene::{Scene, Seen};
-use crate::papers::worth::{errors, mean_poses};
+use crate::papers::worth::{mean_poses, stored};
 use crate::support::outcome::Outcome;
 use crate::support::processor_time::thread_seconds;
-use serde_json::{Value, json};
+use serde_json::Value;
 use sinew::core::random::Stage;
 use std::f64::consts::PI;
 
@@ -16,10 +16,6 @@ const ASIDE_M: f64 = 1.0;
 const ASIDE_RAD: f64 = PI / 3.0;
 /// Coordinate of the heading.
 const HEADING: usize = 3;
-
-fn rounded(values: &[f64]) -> Vec<f64> {
-    values.iter().map(|x| (1e2 * x).round() / 1e2).collect()
-}
 
 /// A pose put aside.
 fn aside(pose: &[f64]) -> Vec<f64> {
@@ -88,15 +84,7 @@ pub(super) fn cell(
     seed: u64,
 ) -> Outcome<Value> {
     let Estimates { poses, off_manifold, seconds } = estimates(scene, seen, contender, (spaces, mean_pose), seed)?;
-    let means = mean_poses(scene, mean_pose);
-    let (found, mean_pose) = (errors(scene, &poses, 1), errors(scene, &means[1..], 1));
-    let mut cell = json!({
-        "absolute": rounded(&found.absolute),
-        "relative": rounded(&found.relative),
-        "limbs": rounded(&found.limbs),
-        "mean_pose_limbs": rounded(&mean_pose.limbs),
-        "ms": 1e3 * seconds / poses.len() as f64,
-    });
+    let mut cell = stored(scene, &poses, &mean_poses(scene, mean_pose), seconds, 2);
     if !off_manifold.is_empty() {
         cell["off_manifold"] = (off_manifold.iter().sum::<f64>() / off_manifold.len() as f64).into();
     }

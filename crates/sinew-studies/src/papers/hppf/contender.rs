@@ -2,6 +2,7 @@
 
 use crate::papers::masked_scene::{CueSet, Person, View};
 use crate::papers::recorded_trials::TEST_TRIALS;
+use crate::papers::seed_results::Keyed;
 use sinew::dynamics::level_walk::LevelPrimitives;
 use sinew_simulate::segmentation_noise::Level;
 
@@ -218,9 +219,10 @@ impl Contender {
             false => format!("{}, {}", self.method.name(), self.view.name()),
         }
     }
+}
 
-    /// The name of its result with a seed.
-    pub(super) fn key(&self, seed: u64) -> String {
+impl Keyed for Contender {
+    fn key(&self, seed: u64) -> String {
         let trial = if matches!(self.motion, Motion::Trial(_)) { "trial " } else { "" };
         format!("{trial}{}/{}/{seed}/{}", self.motion.name(), self.view.name(), self.method.name())
     }

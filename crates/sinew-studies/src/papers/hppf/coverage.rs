@@ -4,10 +4,8 @@
 //! tracker's own steps takes its set away from the posterior.
 
 use crate::papers::interval_tally::COLUMNS;
-use crate::papers::known_posterior::{self, FIRST, STEP, Sight};
+use crate::papers::known_posterior::{self, Coverage, FIRST, STEP, Sight};
 use crate::support::outcome::Outcome;
-use crate::support::store::{Store, Task, run_all};
-use serde_json::{Value, json};
 use sinew::core::lanes::Isa;
 use sinew::core::part::{Part, PartTree, Partition};
 use sinew::core::random::Stage;
@@ -19,23 +17,30 @@ use sinew::tracking::Tracker;
 use sinew::tracking::bootstrap::{self, Bootstrap};
 use sinew::tracking::hppf::{self, Hppf};
 
-/// Chains on the trunk.
-const CHAINS: [usize; 3] = [0, 2, 4];
 const TRUNK: usize = 2;
 
 /// Whose intervals are looked at.
 #[derive(Clone, Copy, Debug)]
-enum Contender {
+pub(super) enum Contender {
     Bootstrap(usize),
     Hppf(usize, Truncation, f64),
 }
 
-const CONTENDERS: [(&str, Contender); 4] = [
+const CONTENDERS: &[(&str, Contender)] = &[
     ("bootstrap 20 000", Contender::Bootstrap(20_000)),
     ("hppf 200", Contender::Hppf(200, Truncation::KeepOnceRefill, 0.8)),
     ("hppf 1000", Contender::Hppf(1000, Truncation::KeepOnceRefill, 0.8)),
     ("hppf 1000, systematic of all", Contender::Hppf(1000, Truncation::TruncateThenSystematic, 1.0)),
 ];
+
+/// By chains on the trunk.
+pub(super) const COVERAGE: Coverage<Contender> = Coverage {
+    purpose: "hppf coverage",
+    sizes: [0, 2, 4],
+    coordinates: |chains| TRUNK + 2 * chains,
+    contenders: CONTENDERS,
+    series,
+};
 
 fn tree(chains: usize) -> Outcome<PartTree> {
     let dim = TRUNK + 2 * chains;
@@ -49,8 +54,9 @@ fn tree(chains: usize) -> Outcome<PartTree> {
 }
 
 /// One series: a row of [`known_posterior::series`].
-fn series(tree: &PartTree, contender: Contender, stage: Stage) -> Outcome<[f64; COLUMNS]> {
-    let (dim, isa) = (known_posterior::dim(tree), Isa::best());
+fn series(chains: usize, contender: Contender, stage: Stage) -> Outcome<[f64; COLUMNS]> {
+    let (tree, isa) = (tree(chains)?, Isa::best());
+    let dim = known_posterior::dim(&tree);
     let [to_draw, to_track] = stage.split(["data", "tracker"]);
     let centre = vec![0.0; dim];
     let tracker: Box<dyn Tracker<Sight>> = match contender {
@@ -64,35 +70,8 @@ fn series(tree: &PartTree, contender: Contender, stage: Stage) -> Outcome<[f64; 
             let walk = LevelWalk::new(tree.clone(), vec![STEP; dim], vec![FIRST; dim], isa)?;
             let selection = Selection { truncation, surviving };
             let config = hppf::Config { particles, selection, ..hppf::Config::default() };
-            Box::new(Hppf::new(config, walk, tree, centre)?)
+            Box::new(Hppf::new(config, walk, &tree, centre)?)
         }
     };
-    known_posterior::series(tree, tracker, to_draw, to_track)
-}
-
-fn key(name: &str, chains: usize, count: usize) -> String {
-    format!("coverage/{}/{count}/{name}", TRUNK + 2 * chains)
-}
-
-/// Runs what is not done yet, `count` series a contender and size.
-pub(super) fn run(store: &mut Store, count: usize, threads: usize) -> Outcome<()> {
-    let mut tasks: Vec<Task<'_>> = vec![];
-    for chains in CHAINS {
-        for (name, contender) in CONTENDERS {
-            let work = move || -> Outcome<Value> {
-                let tree = tree(chains)?;
-                let stage = Stage::new(1, "hppf coverage");
-                let row = |run| Ok(series(&tree, contender, stage.round(run))?.to_vec());
-                Ok(json!((0..count).map(row).collect::<Outcome<Vec<Vec<f64>>>>()?))
-            };
-            tasks.push((key(name, chains, count), 1.0, Box::new(work)));
-        }
-    }
-    run_all(store, "coverage", tasks, threads)
-}
-
-/// Coverage and spread by number of coordinates.
-pub(super) fn table(store: &Store, count: usize) -> Outcome<String> {
-    let (sizes, names) = (CHAINS.map(|chains| TRUNK + 2 * chains), CONTENDERS.map(|(name, _)| name));
-    known_posterior::table(store, &sizes, &names, |name, size| key(name, (size - TRUNK) / 2, count))
+    known_posterior::series(&tree, tracker, to_draw, to_track)
 }

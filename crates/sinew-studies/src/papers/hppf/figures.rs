@@ -4,6 +4,7 @@
 
 use super::contender::{Contender, Motion, USUAL, on};
 use super::motions::RATE_HZ;
+use crate::papers::seed_results::Keyed as _;
 use crate::support::outcome::Outcome;
 use crate::support::store::{Store, numbers};
 use serde_json::{Value, json};

@@ -3,15 +3,13 @@
 use super::motions::{RATE_HZ, WORKING_HZ};
 use crate::papers::recorded_trials::Recording;
 use crate::support::outcome::Outcome;
+use crate::support::primitives::{Lesson, learned};
 use rayon::prelude::*;
 use sinew::core::random::Stage;
-use sinew::dynamics::primitives::file;
-use sinew::dynamics::primitives::learning::{Config, TrainingMotion, learn_feature, noise_sd};
 use sinew::dynamics::primitives::model::PrimitiveModel;
 use sinew::dynamics::primitives::windows::subsampled;
 use sinew::files::{FNV_START, fnv};
 use sinew_motion::follow::{NamedBody, follow};
-use sinew_motion::learn::features::feature_vectors;
 use std::path::Path;
 
 /// Training motion as states of the body.
@@ -49,23 +47,7 @@ impl Training {
     /// A model of action primitives of `length` D with at most `clusters` C clusters, from its file in a folder where there is one.
     pub(super) fn model(&self, folder: &Path, length: usize, clusters: usize) -> Outcome<PrimitiveModel> {
         let path = folder.join(format!("model-D{length}-C{clusters}-{:016x}.json", self.hash));
-        let name = path.display().to_string();
-        if let Ok(text) = std::fs::read_to_string(&path) {
-            return Ok(file::read(&name, &text)?);
-        }
-        let mut config = Config { length, ..Config::default() };
-        config.mixture.components = clusters;
-        let (state, dim) = (NamedBody::Hppf24.name(), self.mean_pose.len());
-        let horizontal = &NamedBody::HORIZONTAL;
-        let motion = TrainingMotion { state, dim, frame_rate: RATE_HZ, sequences: &self.sequences, horizontal };
-        let noise_sd = noise_sd(&motion, &config)?;
-        let (features, stage) = (feature_vectors(NamedBody::Hppf24), Stage::new(1, "hppf models"));
-        let learned = features.par_iter().enumerate().map(|(index, feature)| {
-            learn_feature(&motion, feature, &noise_sd, &config, stage.round(index), &mut |_| {})
-        });
-        let primitives = learned.collect::<Result<Vec<_>, _>>()?;
-        let model = PrimitiveModel { state: state.into(), dim, frame_rate: RATE_HZ, length, noise_sd, primitives };
-        std::fs::write(path, file::write(&name, &model)?)?;
-        Ok(model)
+        let lesson = Lesson { body: NamedBody::Hppf24, rate_hz: RATE_HZ, length, clusters };
+        learned(&path, &lesson, Stage::new(1, "hppf models"), || Ok(self.sequences.clone()))
     }
 }

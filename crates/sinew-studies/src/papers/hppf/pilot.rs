@@ -12,6 +12,7 @@ use crate::papers::recorded_trials::joined;
 use crate::papers::worth::{Errors, errors, kept, mean_poses};
 use crate::support::outcome::Outcome;
 use crate::support::statistics::mean;
+use crate::support::table::{header, row, with_spread};
 use sinew::core::density::PartLogDensity as _;
 use sinew::core::lanes::{Block, Isa};
 use sinew::core::random::Stage;
@@ -119,10 +120,9 @@ fn speeds(scene: &Scene, model: &PrimitiveModel, frames: &Range<usize>) -> Strin
 /// Mean over seeds with its standard error; a single one has none.
 fn shown(values: impl Iterator<Item = f64>, decimals: usize) -> String {
     let all: Vec<f64> = values.collect();
-    let [value, error] = mean_and_error(&all);
-    match all.len() {
-        1 => format!("{value:.decimals$}"),
-        _ => format!("{value:.decimals$} ± {error:.decimals$}"),
+    match mean_and_error(&all) {
+        [value, _] if all.len() == 1 => format!("{value:.decimals$}"),
+        both => with_spread(both, decimals),
     }
 }
 
@@ -171,7 +171,7 @@ fn in_phase(variant: &str, phase: &Phase, runs: &[Errors]) -> String {
 }
 
 /// Runs the pilot; its report.
-pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<String> {
+pub(super) fn pilot(data: &Path, folder: &Path) -> Outcome<String> {
     let training = Training::new(data, &pilot_training())?;
     let model = training.model(folder, LENGTH, CLUSTERS)?;
     let fits = training.errors_m.iter().map(|(name, error)| format!("{name} {:.0}", 1e3 * error));
@@ -187,16 +187,15 @@ pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<S
             let line = speeds(&scene, &model, &phase.frames);
             let _ = writeln!(text, "{}: root mean square of changes (step of the model): {line}\n", phase.name);
         }
-        let _ = writeln!(
-            text,
-            "| | absolute, mm | relative, mm | limb ratio | frames below 150 mm, % | kept | true pose: parts, alignment | mean pose | estimate | similar | astray, % |\n|---|---|---|---|---|---|---|---|---|---|---|"
+        text += &header(
+            "| | absolute, mm | relative, mm | limb ratio | frames below 150 mm, % | kept | true pose: parts, alignment | mean pose | estimate | similar | astray, % |",
         );
         for (name, found) in [("mean pose", &mean_pose), ("first pose", &frozen)] {
-            let _ = writeln!(text, "| {name} | {} | | | | | |", row(std::slice::from_ref(found), &mean_pose));
+            row!(text, "{name} | {} | | | | |", row(std::slice::from_ref(found), &mean_pose));
         }
         let mut by_phase = String::new();
         if !phases.is_empty() {
-            by_phase += "| | phase | absolute, mm | relative, mm |\n|---|---|---|---|\n";
+            by_phase += &header("| | phase | absolute, mm | relative, mm |");
             let mean_pose = std::slice::from_ref(&mean_pose);
             by_phase += &phases.iter().map(|phase| in_phase("mean pose", phase, mean_pose)).collect::<String>();
         }
@@ -205,7 +204,7 @@ pub(super) fn pilot(data: &Path, folder: &Path, only: Option<&str>) -> Outcome<S
         for seen in &seen {
             println!("{}: {:?}", scene.name, seen.girth);
         }
-        for variant in VARIANTS.iter().filter(|variant| only.is_none_or(|only| variant.name.contains(only))) {
+        for variant in &VARIANTS {
             let runs = seen.iter().zip(1..).map(|(seen, seed)| run(variant, &model, &scene, seen, &means, seed));
             let runs = runs.collect::<Outcome<Vec<Run>>>()?;
             let of = |k: usize, stage: usize| shown(runs.iter().map(|run| run.worth[k][stage]), 1);

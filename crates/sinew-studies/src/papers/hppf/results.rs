@@ -2,17 +2,11 @@
 
 use super::contender::{Contender, Motion};
 use crate::papers::recorded_trials::TEST_TRIALS;
-use crate::papers::seed_results::{Keyed, Mean, Results};
+use crate::papers::seed_results::{Mean, Results};
 use crate::support::outcome::Outcome;
 
 /// One-sided 95 % in standard errors, of Student's distribution with a degree of freedom for all test trials but one.
 const OVER_TRIALS: f64 = 1.771;
-
-impl Keyed for Contender {
-    fn key(&self, seed: u64) -> String {
-        Self::key(self, seed)
-    }
-}
 
 impl Results<'_> {
     /// A quantity of a contender in each test trial, whatever motion it is on.

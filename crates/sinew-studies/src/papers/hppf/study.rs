@@ -6,6 +6,7 @@ use super::motions::RATE_HZ;
 use super::track;
 use crate::papers::masked_scene::{Scene, Seen};
 use crate::papers::recorded_trials::{Recording, TEST_TRIALS, TEST_WALK, UNSEEN};
+use crate::papers::seed_results::Keyed as _;
 use crate::papers::shared_values::{Shared, shared};
 use crate::support::outcome::Outcome;
 use crate::support::store::{Store, Task, run_all};
@@ -29,8 +30,9 @@ const LONGEST: usize = 200;
 /// What all cells share.
 pub(super) struct Study {
     folder: PathBuf,
-    training: Training,
-    scenes: BTreeMap<Motion, Scene>,
+    pub(super) training: Training,
+    /// The motions, with how well the body follows them.
+    pub(super) scenes: BTreeMap<Motion, Scene>,
     /// Frames of CMB's three sets, without those before the first judged one.
     pub(super) sets: [Range<usize>; 3],
     models: Shared<PrimitiveModel>,
@@ -87,19 +89,9 @@ impl Study {
         Ok(found.get().ok_or("no model was made")?.clone())
     }
 
-    /// The motion, with how well the body follows it.
-    pub(super) fn scene(&self, motion: Motion) -> &Scene {
-        &self.scenes[&motion]
-    }
-
-    /// Mean distances of the body's joints to the training motion, metres, by trial.
-    pub(super) fn training_errors_m(&self) -> &[(&'static str, f64)] {
-        &self.training.errors_m
-    }
-
     fn run(&self, contender: &Contender, seed: u64) -> Outcome<serde_json::Value> {
         let Contender { motion, view, method } = *contender;
-        let scene = self.scene(motion);
+        let scene = &self.scenes[&motion];
         let name = format!("{motion:?} {} {seed}", view.name());
         let seen = shared(&self.seen, &name, || Seen::new(scene, &view, motion.first() - 1, seed, self.isa))?;
         let seen = seen.get().ok_or("no pictures were drawn")?;
@@ -118,7 +110,7 @@ impl Study {
         for (seed, motion) in (1..=seeds).flat_map(|seed| motions.iter().map(move |motion| (seed, *motion))) {
             let task = |contender: &Contender| -> Task<'_> {
                 let of = *contender;
-                let work = of.method.evaluations() as f64 * self.scene(of.motion).truth.len() as f64;
+                let work = of.method.evaluations() as f64 * self.scenes[&of.motion].truth.len() as f64;
                 (of.key(seed), 1e4 + work, Box::new(move || self.run(&of, seed)))
             };
             let tasks = contenders.iter().filter(|contender| contender.motion == motion).map(task).collect();

@@ -7,7 +7,7 @@ use super::study::Study;
 use crate::papers::masked_scene::View;
 use crate::papers::seed_results::Results;
 use crate::support::outcome::Outcome;
-use std::fmt::Write as _;
+use crate::support::table::{header, row};
 
 /// Least number of clusters over the feature vectors of a model, and its windows.
 pub(super) fn clusters(study: &Study, method: Method) -> Outcome<(usize, usize)> {
@@ -40,43 +40,42 @@ fn sets(results: &Results<'_>, study: &Study, contender: &Contender) -> Outcome<
 
 /// Table 1: relative error by D and C.
 pub(super) fn table_1(results: &Results<'_>, study: &Study) -> Outcome<String> {
-    let mut out =
-        String::from("| D | C | clusters, windows | Set 1, mm | Set 2 | Set 3 | |\n|--:|--:|---|---|---|---|---|\n");
+    let mut out = header("| >D | >C | clusters, windows | Set 1, mm | Set 2 | Set 3 | |");
     for length in LENGTHS {
         for count in CLUSTERS {
             let method = hppf(200, length, count);
             let [learned, realised] = realisation(study, method)?;
             let row = sets(results, study, &on(method, Motion::Combo))?;
-            let _ = writeln!(out, "| {length} | {count} | {learned} | {row} | {realised} |");
+            row!(out, "{length} | {count} | {learned} | {row} | {realised}");
         }
     }
     for method in REFERENCES {
         let row = sets(results, study, &on(method, Motion::Combo))?;
-        let _ = writeln!(out, "| {} | | | {row} | |", method.name());
+        row!(out, "{} | | | {row} |", method.name());
     }
     Ok(out)
 }
 
 /// Table 2: relative error by P.
 pub(super) fn table_2(results: &Results<'_>, study: &Study) -> Outcome<String> {
-    let mut out = String::from("| P | clusters, windows | Set 1, mm | Set 2 | Set 3 | |\n|--:|---|---|---|---|---|\n");
+    let mut out = header("| >P | clusters, windows | Set 1, mm | Set 2 | Set 3 | |");
     for particles in PARTICLES {
         let method = hppf(particles, 3, 80);
         let [learned, realised] = realisation(study, method)?;
         let row = sets(results, study, &on(method, Motion::Combo))?;
-        let _ = writeln!(out, "| {particles} | {learned} | {row} | {realised} |");
+        row!(out, "{particles} | {learned} | {row} | {realised}");
     }
     for method in REFERENCES {
         let row = sets(results, study, &on(method, Motion::Combo))?;
-        let _ = writeln!(out, "| {} | | {row} | |", method.name());
+        row!(out, "{} | | {row} |", method.name());
     }
     Ok(out)
 }
 
 /// Table 3: fewer cameras.
 pub(super) fn table_3(results: &Results<'_>) -> Outcome<String> {
-    let mut out = String::from(
-        "| cameras | relative, mm | absolute, mm | first camera, relative, px | absolute | second camera, relative | absolute |\n|---|---|---|---|---|---|---|\n",
+    let mut out = header(
+        "| cameras | relative, mm | absolute, mm | first camera, relative, px | absolute | second camera, relative | absolute |",
     );
     let tracked = SUBSETS.map(|cameras| {
         let names: Vec<String> = cameras.iter().map(|camera| format!("C{}", camera + 1)).collect();
@@ -84,28 +83,26 @@ pub(super) fn table_3(results: &Results<'_>) -> Outcome<String> {
     });
     let references = REFERENCES.map(|method| (method.name(), on(method, Motion::Walk)));
     for (name, contender) in tracked.into_iter().chain(references) {
-        let mut row = format!("| {name} |");
-        for (path, decimals) in [
+        let shown =
+            |(path, decimals): (&str, usize)| match path.contains("pixels/1") && contender.view.cameras.len() < 2 {
+                true => Ok(String::new()),
+                false => Ok(results.mean(&contender, path, None)?.shown(decimals)),
+            };
+        let cells = [
             ("/relative", 0),
             ("/absolute", 0),
             ("/pixels/0/relative", 1),
             ("/pixels/0/absolute", 1),
             ("/pixels/1/relative", 1),
             ("/pixels/1/absolute", 1),
-        ] {
-            let shown = match path.contains("pixels/1") && contender.view.cameras.len() < 2 {
-                true => String::new(),
-                false => results.mean(&contender, path, None)?.shown(decimals),
-            };
-            let _ = write!(row, " {shown} |");
-        }
-        let _ = writeln!(out, "{row}");
+        ];
+        row!(out, "{name} | {}", cells.into_iter().map(shown).collect::<Outcome<Vec<String>>>()?.join(" | "));
     }
     Ok(out)
 }
 
 /// Columns of tables of whole motions.
-const WHOLE: &str = "| | relative, mm | absolute, mm | limb ratio | kept | C1, px | C2, px | evaluations | processor time a frame, ms |\n|---|---|---|---|---|---|---|---|---|\n";
+const WHOLE: &str = "| | relative, mm | absolute, mm | limb ratio | kept | C1, px | C2, px | evaluations | processor time a frame, ms |";
 
 fn whole(results: &Results<'_>, name: &str, contender: &Contender) -> Outcome<String> {
     let mean = |path: &str, decimals| -> Outcome<String> { Ok(results.mean(contender, path, None)?.shown(decimals)) };
@@ -125,7 +122,7 @@ fn whole(results: &Results<'_>, name: &str, contender: &Contender) -> Outcome<St
 
 /// Table 4: the usual setting on all motions, with the reference rows.
 pub(super) fn table_4(results: &Results<'_>) -> Outcome<String> {
-    let mut out = String::from(WHOLE);
+    let mut out = header(WHOLE);
     for motion in PRINTED {
         for method in [&[USUAL][..], &REFERENCES].concat() {
             out += &whole(results, &format!("{}: {}", motion.name(), method.name()), &on(method, motion))?;
@@ -136,7 +133,7 @@ pub(super) fn table_4(results: &Results<'_>) -> Outcome<String> {
 
 /// Ablations, opponents at equal evaluations, and the reference rows, on CMB.
 pub(super) fn beside(results: &Results<'_>) -> Outcome<String> {
-    let mut out = String::from(WHOLE);
+    let mut out = header(WHOLE);
     for contender in compared(Motion::Combo) {
         out += &whole(results, &contender.name(), &contender)?;
     }
@@ -145,8 +142,8 @@ pub(super) fn beside(results: &Results<'_>) -> Outcome<String> {
 
 /// The same on the test trials: means over trials, errors over trials.
 pub(super) fn trials(results: &Results<'_>) -> Outcome<String> {
-    let mut out = String::from(
-        "| | relative, mm | absolute, mm | kept runs | usual − this, relative, mm (one-sided 95 %) | processor time a frame, ms |\n|---|---|---|---|---|---|\n",
+    let mut out = header(
+        "| | relative, mm | absolute, mm | kept runs | usual − this, relative, mm (one-sided 95 %) | processor time a frame, ms |",
     );
     let usual = on(USUAL, Motion::Trial(0));
     for contender in compared(Motion::Trial(0)) {
@@ -154,9 +151,9 @@ pub(super) fn trials(results: &Results<'_>) -> Outcome<String> {
         let [kept, of] = results.trials_kept(&contender)?;
         let [value, reach] = results.difference_over_trials(&usual, &contender)?;
         let difference = if contender == usual { String::new() } else { format!("{value:+.1} ± {reach:.1}") };
-        let _ = writeln!(
+        row!(
             out,
-            "| {} | {} | {} | {kept} of {of} | {difference} | {:.1} |",
+            "{} | {} | {} | {kept} of {of} | {difference} | {:.1}",
             contender.name(),
             relative?.shown(0),
             absolute?.shown(0),

@@ -6,7 +6,7 @@ use super::contender::{Contender, Method, USUAL_MODEL};
 use super::figures;
 use super::motions::RATE_HZ;
 use crate::papers::masked_scene::{Scene, Seen};
-use crate::papers::worth::{errors, mean_poses};
+use crate::papers::worth::{mean_poses, rounded, stored};
 use crate::support::outcome::Outcome;
 use crate::support::processor_time::thread_seconds;
 use serde_json::{Value, json};
@@ -132,10 +132,6 @@ fn pixel_errors(camera: &Camera, found: &Trajectories, truth: &Trajectories) -> 
     errors
 }
 
-fn rounded(values: &[f64]) -> Vec<f64> {
-    values.iter().map(|x| (1e3 * x).round() / 1e3).collect()
-}
-
 /// Runs a contender.
 pub(super) fn cell(
     scene: &Scene,
@@ -167,8 +163,6 @@ pub(super) fn cell(
         });
         seconds += thread_seconds() - before;
     }
-    let found = errors(scene, &estimates, first);
-    let mean_pose_errors = errors(scene, &means[first..], first);
     let truth = Trajectories { names: scene.motion.names.clone(), frames: scene.motion.frames[first..].to_vec() };
     let points = points_of_states(&scene.tree, &estimates);
     let pixels: Vec<Value> = seen
@@ -178,17 +172,11 @@ pub(super) fn cell(
         .take(2)
         .map(|camera| {
             let [absolute, relative] = pixel_errors(camera, &points, &truth);
-            json!({ "absolute": rounded(&absolute), "relative": rounded(&relative) })
+            json!({ "absolute": rounded(&absolute, 3), "relative": rounded(&relative, 3) })
         })
         .collect();
-    let mut cell = json!({
-        "absolute": rounded(&found.absolute),
-        "relative": rounded(&found.relative),
-        "limbs": rounded(&found.limbs),
-        "mean_pose_limbs": rounded(&mean_pose_errors.limbs),
-        "pixels": pixels,
-        "ms": 1e3 * seconds / judged.len() as f64,
-    });
+    let mut cell = stored(scene, &estimates, &means, seconds, 3);
+    cell["pixels"] = pixels.into();
     if !actions.is_empty() {
         cell["actions"] = actions.into();
     }
