@@ -7,7 +7,7 @@ use crate::source::lines_with;
 const SPEAKERS: [&str; 4] = ["sinew-cli", "sinew-python", "sinew-studies", "sinew-words"];
 
 /// Where a text names a setting by its flag, and where flags have their help.
-const NOTATION: [&str; 2] = ["crates/sinew-input/src/flag.rs", "crates/sinew/src/config/table.rs"];
+const NOTATION: [&str; 2] = ["crates/sinew-input/src/flag.rs", "crates/sinew/src/config/common.rs"];
 
 /// Functions that belong to `sinew-words`.
 const SAID: [&str; 2] = ["fn exit_code", "fn help"];
