@@ -18,7 +18,7 @@ use sinew_batch::shard::Shard;
 use sinew_batch::trial_table::Gathered;
 use sinew_batch::{unpack, write_submit_files};
 use sinew_results::Occupied;
-use sinew_words::exit_codes::of_study;
+use crate::study_words;
 use std::path::{Path, PathBuf};
 
 /// Runs the command.
@@ -88,7 +88,7 @@ fn shard(args: &RunArgs, general: &General, report: &Report) -> Result<Ended, Er
     let shard = wanted_shard(args)?;
     let threads = general.threads.iter().map(|threads| (THREADS.key, threads.clone())).collect();
     let config = resolve(&Sources { flags: threads, environment: vec![], file: None })?.track();
-    let end = run_shard(&args.study, shard, wanted(&config), &Terminal { general, report }, of_study)?;
+    let end = run_shard(&args.study, shard, wanted(&config), &Terminal { general, report }, study_words::exit_code)?;
     let ShardEnd { before, done, doubtful, failed, left } = &end;
     if args.answer.json {
         report::answer_json(&json!({

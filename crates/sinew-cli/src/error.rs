@@ -1,7 +1,8 @@
 //! What ends a command early: a mistake in how it was called, or what the library refuses.
 
 use sinew::body::standard::EVALUATION_JOINTS;
-use sinew_words::exit_codes::{FAILED, INPUT, USAGE, exit_code, of_study};
+use crate::study_words;
+use sinew_words::exit_codes::{FAILED, INPUT, USAGE, exit_code};
 
 /// Everything that ends a command early.
 #[derive(Debug, thiserror::Error)]
@@ -140,7 +141,7 @@ impl Error {
     pub(crate) const fn exit_code(&self) -> u8 {
         match self {
             Self::Report(error) => exit_code(error),
-            Self::Batch(error) => of_study(error),
+            Self::Batch(error) => study_words::exit_code(error),
             Self::Demo(_) => FAILED,
             Self::Scene(_) => INPUT,
             _ => USAGE,
@@ -151,7 +152,7 @@ impl Error {
     pub(crate) fn help(&self) -> Option<String> {
         let words = match self {
             Self::Report(error) => return sinew_words::help(error),
-            Self::Batch(error) => return sinew_words::batch::help(error),
+            Self::Batch(error) => return study_words::help(error),
             Self::Scene(sinew_simulate::Error::MissingJoints(_)) => {
                 return Some(format!("a body needs the points {}", EVALUATION_JOINTS.join(", ")));
             }

@@ -38,6 +38,7 @@ mod setting_args;
 mod simulate;
 mod simulate_crowd;
 mod simulated_files;
+mod study_words;
 mod sync;
 mod table;
 mod terminal;

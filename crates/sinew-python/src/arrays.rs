@@ -4,7 +4,7 @@ use crate::failure::{Failure, USAGE};
 use numpy::ndarray::{ArrayD, IxDyn};
 use numpy::{Element, IntoPyArray, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::IntoPyDict;
+use pyo3::types::{IntoPyDict, PyDict};
 
 /// Values with their derivatives.
 pub(crate) type Two<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>);
@@ -101,6 +101,11 @@ pub(crate) fn array<'py, T: Element>(
     let shape: Vec<usize> = shape.into_iter().collect();
     let array = ArrayD::from_shape_vec(IxDyn(&shape), values).map_err(|error| Failure::bug(error.to_string()))?;
     Ok(array.into_pyarray(py))
+}
+
+/// Arrays by name, as the record of that name in `sinew/_records.py`.
+pub(crate) fn record<'py>(py: Python<'py>, name: &str, fields: &Bound<'py, PyDict>) -> PyResult<Bound<'py, PyAny>> {
+    py.import("sinew._records")?.getattr(name)?.call((), Some(fields))
 }
 
 /// An array for the result of a batch, whose numbers mean nothing yet: NumPy takes large ones in large pages.

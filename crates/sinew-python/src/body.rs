@@ -5,14 +5,19 @@ use crate::background::detached;
 use crate::failure::Failure;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
+use pyo3::types::IntoPyDict;
 use rayon::prelude::*;
 use sinew::bodies;
+use sinew::body::bones::{Bone, skeleton};
 use sinew::body::subject::{SIZES, scaled};
 use sinew::body::{Joint, KinematicTree, Plan, Proportions, point_jacobian_each, point_positions_into};
 use sinew::core::lanes::{Isa, LANES};
-use sinew::formats::body_toml;
-use sinew::setup::Body;
+use sinew::files::read_text;
+use sinew::formats::source_text::MAX_TEXT_BYTES;
+use sinew::formats::{body_toml, bvh};
+use sinew::setup::{Body, FileBody};
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 /// States that a thread takes at a time.
 const STATES_A_TASK: usize = 64 * LANES;
@@ -22,11 +27,13 @@ const STATES_A_TASK: usize = 64 * LANES;
 /// Parameters
 /// ----------
 /// name
-///     `h32` (32 degrees of freedom, for real people), `cf28`, `hppf24` or `hapf31`, or a body file (`body.toml`).
+///     `h32` (32 degrees of freedom, for real people), `cf28`, `hppf24` or `hapf31`, or a file (`body.toml`, URDF).
 /// scale
 ///     Factor on all sizes of an adult of 1.75 m.
 /// sizes
 ///     Single sizes in metres, by the names of `Body.sizes`; they override `scale`.
+/// text
+///     What a file would hold; `name` is then for messages.
 ///
 /// A pose is a vector of `dof` numbers: metres for translations, radians for rotations, in the order of `dof_names`. The world has z up.
 #[pyclass(frozen, name = "Body", module = "sinew")]
@@ -41,8 +48,11 @@ pub(crate) struct PyBody {
 #[pymethods]
 impl PyBody {
     #[new]
-    #[pyo3(signature = (name = "h32", *, scale = 1.0, sizes = None))]
-    fn new(name: &str, scale: f64, sizes: Option<BTreeMap<String, f64>>) -> PyResult<Self> {
+    #[pyo3(signature = (name = "h32", *, scale = 1.0, sizes = None, text = None))]
+    fn new(name: &str, scale: f64, sizes: Option<BTreeMap<String, f64>>, text: Option<&str>) -> PyResult<Self> {
+        if let Some(text) = text {
+            return Self::of_text(name, text);
+        }
         if !(scale > 0.0 && scale.is_finite()) {
             return Err(Failure::argument(format!("`scale` is {scale}; it must be positive")).into());
         }
@@ -51,12 +61,63 @@ impl PyBody {
         for (name, value) in sizes.unwrap_or_default() {
             set_size(&mut proportions, &name, value)?;
         }
-        let tree = body.tree(&proportions);
-        if tree.dof() == 0 {
-            return Err(Failure::argument(format!("the body `{name}` has no degree of freedom")).into());
+        Self::of(name.into(), body, proportions)
+    }
+
+    /// A body from a table of offsets, a line a link: parents come first, and each link has a point of its name at its origin.
+    ///
+    /// Parameters
+    /// ----------
+    /// links
+    ///     Names of the links.
+    /// parents
+    ///     Name of each link's parent; None for a root.
+    /// offsets
+    ///     (links, 3), origin of each link in its parent's frame, metres.
+    /// joints
+    ///     Degrees of freedom of each link, left to right: `"tx ty tz rz ry rx"`; empty for a rigid one.
+    #[staticmethod]
+    fn from_offsets(
+        links: Vec<String>,
+        parents: Vec<Option<String>>,
+        offsets: &Bound<'_, PyAny>,
+        joints: Vec<String>,
+    ) -> PyResult<Self> {
+        for (name, found) in [("parents", parents.len()), ("joints", joints.len())] {
+            if found != links.len() {
+                let what = format!("`{name}` has {found} entries; expected links = {}", links.len());
+                return Err(Failure::argument(what).into());
+            }
         }
-        let plan = Plan::with_all_points(&tree);
-        Ok(Self { name: name.into(), body, proportions, tree, plan })
+        let offsets = numbers("offsets", offsets)?;
+        offsets.exactly(&[("links", Some(links.len())), ("3", Some(3))])?;
+        let offsets = offsets.finite()?.as_chunks::<3>().0;
+        let bone = |link: usize| Bone {
+            name: &links[link],
+            parent: parents[link].as_deref().unwrap_or_default(),
+            offset: offsets[link],
+            joints: &joints[link],
+        };
+        let tree = skeleton(&(0..links.len()).map(bone).collect::<Vec<_>>()).map_err(Failure::from)?;
+        Self::of_text("body", &body_toml::write(&tree, None))
+    }
+
+    /// The skeleton of a BVH file; `unit_m` is the length of the file's unit in metres (0.01 where it has centimetres).
+    #[staticmethod]
+    #[pyo3(signature = (path, *, unit_m = 1.0))]
+    fn from_bvh(py: Python<'_>, path: PathBuf, unit_m: f64) -> PyResult<Self> {
+        let name = path.display().to_string();
+        let tree = detached(py, || Ok(bvh::read(&name, &read_text(&path, MAX_TEXT_BYTES)?)?.body(unit_m)?))?;
+        Self::of_text(&name, &body_toml::write(&tree, None))
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (&str,))> {
+        let made = match &self.body {
+            Body::File(_) => [("text", String::from(self.body.clone()))].into_py_dict(py)?,
+            _ => [("sizes", self.sizes())].into_py_dict(py)?,
+        };
+        let class = py.get_type::<Self>();
+        Ok((py.import("functools")?.getattr("partial")?.call((class,), Some(&made))?, (&self.name,)))
     }
 
     /// Name or file of the body.
@@ -206,6 +267,20 @@ impl PyBody {
 }
 
 impl PyBody {
+    fn of_text(name: &str, text: &str) -> PyResult<Self> {
+        let body = FileBody::read(name, text).map_err(Failure::from)?;
+        Self::of(name.into(), Body::File(body), Proportions::default())
+    }
+
+    fn of(name: String, body: Body, proportions: Proportions) -> PyResult<Self> {
+        let tree = body.tree(&proportions);
+        if tree.dof() == 0 {
+            return Err(Failure::argument(format!("the body `{name}` has no degree of freedom")).into());
+        }
+        let plan = Plan::with_all_points(&tree);
+        Ok(Self { name, body, proportions, tree, plan })
+    }
+
     fn poses<'py>(&self, poses: &Bound<'py, PyAny>) -> PyResult<Numbers<'py>> {
         let poses = numbers("poses", poses)?;
         self.leading(&poses)?;

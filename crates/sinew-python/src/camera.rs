@@ -5,7 +5,11 @@ use crate::background::detached;
 use crate::failure::Failure;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use sinew::observe::{Camera, Intrinsics, Lens};
+
+/// Name, size of the image, focal lengths, rotation and translation.
+type CameraArguments<'py> = (String, (f64, f64), (f64, f64), Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>);
 
 /// A calibrated camera.
 ///
@@ -210,6 +214,16 @@ impl PyCamera {
             Ok(ideal)
         })?;
         array(py, shaped(leading, &[2]), ideal)
+    }
+
+    /// Arguments that make the same camera.
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(CameraArguments<'py>, Bound<'py, PyDict>)> {
+        let options = PyDict::new(py);
+        options.set_item("centre_px", self.centre_px())?;
+        options.set_item("distortion", self.distortion())?;
+        options.set_item("fisheye", self.fisheye())?;
+        let (rotation, translation) = (self.rotation(py)?, self.translation(py)?);
+        Ok(((self.name().to_owned(), self.image_size_px(), self.focal_px(), rotation, translation), options))
     }
 
     fn __repr__(&self) -> String {

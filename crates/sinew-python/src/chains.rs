@@ -1,63 +1,18 @@
 //! No-U-turn and Hamiltonian chains on a log density written in Python.
 
-use crate::arrays::{affordable, array, numbers};
+use crate::arrays::{affordable, array, numbers, record};
 use crate::background::interruptible;
 use crate::failure::{Failure, USAGE};
 use crate::log_density::PythonDensity;
-use numpy::PyArrayDyn;
-use pyo3::exceptions::PyUserWarning;
+use pyo3::exceptions::PyRuntimeWarning;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use sinew::samplers::chains::ChainStat;
 use sinew::samplers::warm_up::SHORTEST;
 use sinew::samplers::{Error, Run, Starts, hmc, nuts};
 use std::ffi::CString;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Draws of several chains.
-///
-/// Attributes
-/// ----------
-/// draws
-///     (chains, draws, dim), in the units of the state.
-/// lp
-///     (chains, draws), log density of each draw.
-/// acceptance_rate, energy
-///     (chains, draws), probability with which the trajectory was accepted, and Hamiltonian.
-/// diverging
-///     (chains, draws), whether the trajectory diverged.
-/// leapfrog_steps, depth
-///     (chains, draws), gradients that the trajectory took, and doublings of its tree (0 for trajectories of fixed length).
-/// step_size
-///     Step size of the trajectories, in units of the learned metric.
-/// summary
-///     The table that `print` shows: mean, deviation, effective sample sizes and R-hat of each coordinate, divergences, and what speaks against the draws.
-/// warnings
-///     What speaks against the draws; each was given to `warnings.warn` too.
-#[pyclass(frozen, get_all, name = "ChainDraws", module = "sinew")]
-pub(crate) struct PyChainDraws {
-    draws: Py<PyArrayDyn<f64>>,
-    lp: Py<PyArrayDyn<f64>>,
-    acceptance_rate: Py<PyArrayDyn<f64>>,
-    energy: Py<PyArrayDyn<f64>>,
-    diverging: Py<PyArrayDyn<bool>>,
-    leapfrog_steps: Py<PyArrayDyn<u32>>,
-    depth: Py<PyArrayDyn<u32>>,
-    step_size: f64,
-    summary: String,
-    warnings: Vec<String>,
-}
-
-#[pymethods]
-impl PyChainDraws {
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        Ok(format!("ChainDraws(draws {}, step size {:.3})", self.draws.bind(py).getattr("shape")?, self.step_size))
-    }
-
-    fn __str__(&self) -> &str {
-        &self.summary
-    }
-}
 
 /// Which trajectories.
 #[derive(Clone, Copy)]
@@ -86,11 +41,15 @@ enum Trajectories {
 ///     Greatest depth of a tree.
 /// seed
 ///     The same seed gives the same draws, whatever the number of threads.
+///
+/// Returns
+/// -------
+/// A `ChainDraws`. What speaks against the draws is a `RuntimeWarning` each: divergences, trees at `max_depth`, E-BFMI below 0.3, R-hat above 1.01, fewer than 100 effective draws a chain.
 #[pyfunction]
 #[pyo3(name = "nuts", signature = (log_density, starts, *, draws = 1000, warm_up = 850, acceptance = 0.8, max_depth = 10, seed = 0))]
 #[allow(clippy::too_many_arguments)]
-pub(crate) fn no_u_turn(
-    py: Python<'_>,
+pub(crate) fn no_u_turn<'py>(
+    py: Python<'py>,
     log_density: Py<PyAny>,
     starts: &Bound<'_, PyAny>,
     draws: usize,
@@ -98,7 +57,7 @@ pub(crate) fn no_u_turn(
     acceptance: f64,
     max_depth: usize,
     seed: u64,
-) -> PyResult<PyChainDraws> {
+) -> PyResult<Bound<'py, PyAny>> {
     let plan = Plan { draws, warm_up, acceptance, seed, trajectories: Trajectories::NoUTurn { max_depth } };
     sample(py, &log_density, starts, plan)
 }
@@ -116,8 +75,8 @@ pub(crate) fn no_u_turn(
 #[pyfunction]
 #[pyo3(name = "hmc", signature = (log_density, starts, *, draws = 1000, warm_up = 850, acceptance = 0.8, leapfrog_steps = 8, seed = 0))]
 #[allow(clippy::too_many_arguments)]
-pub(crate) fn hamiltonian(
-    py: Python<'_>,
+pub(crate) fn hamiltonian<'py>(
+    py: Python<'py>,
     log_density: Py<PyAny>,
     starts: &Bound<'_, PyAny>,
     draws: usize,
@@ -125,7 +84,7 @@ pub(crate) fn hamiltonian(
     acceptance: f64,
     leapfrog_steps: usize,
     seed: u64,
-) -> PyResult<PyChainDraws> {
+) -> PyResult<Bound<'py, PyAny>> {
     let plan = Plan { draws, warm_up, acceptance, seed, trajectories: Trajectories::Fixed { leapfrog_steps } };
     sample(py, &log_density, starts, plan)
 }
@@ -190,7 +149,12 @@ impl Plan {
     }
 }
 
-fn sample(py: Python<'_>, function: &Py<PyAny>, starts: &Bound<'_, PyAny>, plan: Plan) -> PyResult<PyChainDraws> {
+fn sample<'py>(
+    py: Python<'py>,
+    function: &Py<PyAny>,
+    starts: &Bound<'_, PyAny>,
+    plan: Plan,
+) -> PyResult<Bound<'py, PyAny>> {
     plan.check()?;
     let starts = numbers("starts", starts)?;
     let shape = starts.exactly(&[("chains", None), ("dim", None)])?;
@@ -223,25 +187,25 @@ fn sample(py: Python<'_>, function: &Py<PyAny>, starts: &Bound<'_, PyAny>, plan:
     }
 }
 
-fn gathered(py: Python<'_>, run: Run) -> PyResult<PyChainDraws> {
+fn gathered(py: Python<'_>, run: Run) -> PyResult<Bound<'_, PyAny>> {
     let (shape, summary) = ([run.chains, run.draws()], run.summary());
     let warnings: Vec<String> = summary.warnings.iter().map(ToString::to_string).collect();
     for warning in &warnings {
         let text = CString::new(warning.as_str()).map_err(|error| Failure::bug(error.to_string()))?;
-        PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 1)?;
+        PyErr::warn(py, &py.get_type::<PyRuntimeWarning>(), &text, 1)?;
     }
     let numbers = |of: fn(&ChainStat) -> f64| array(py, shape, run.stats.iter().map(of).collect());
     let counts = |of: fn(&ChainStat) -> u32| array(py, shape, run.stats.iter().map(of).collect());
-    Ok(PyChainDraws {
-        lp: numbers(|stat| stat.log_density)?.unbind(),
-        acceptance_rate: numbers(|stat| stat.acceptance)?.unbind(),
-        energy: numbers(|stat| stat.energy)?.unbind(),
-        diverging: array(py, shape, run.stats.iter().map(|stat| stat.divergent).collect())?.unbind(),
-        leapfrog_steps: counts(|stat| stat.leapfrog_steps)?.unbind(),
-        depth: counts(|stat| stat.depth)?.unbind(),
-        step_size: run.step_size,
-        summary: summary.to_string(),
-        warnings,
-        draws: array(py, [run.chains, run.draws(), run.dim()], run.states)?.unbind(),
-    })
+    let made = PyDict::new(py);
+    made.set_item("lp", numbers(|stat| stat.log_density)?)?;
+    made.set_item("acceptance_rate", numbers(|stat| stat.acceptance)?)?;
+    made.set_item("energy", numbers(|stat| stat.energy)?)?;
+    made.set_item("diverging", array(py, shape, run.stats.iter().map(|stat| stat.divergent).collect())?)?;
+    made.set_item("leapfrog_steps", counts(|stat| stat.leapfrog_steps)?)?;
+    made.set_item("depth", counts(|stat| stat.depth)?)?;
+    made.set_item("step_size", run.step_size)?;
+    made.set_item("summary", summary.to_string())?;
+    made.set_item("warnings", warnings)?;
+    made.set_item("draws", array(py, [run.chains, run.draws(), run.dim()], run.states)?)?;
+    record(py, "ChainDraws", &made)
 }

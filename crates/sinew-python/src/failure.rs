@@ -1,10 +1,9 @@
-//! What goes wrong, as Python's exceptions with the words of the program.
+//! What goes wrong, as Python's exceptions.
 //!
-//! The classes stand in `sinew/_errors.py`; the program's exit code chooses one of them. The text has the lines that the program prints: what, `caused by`, `help`.
+//! The classes stand in `sinew/_errors.py`; the program's exit code chooses one of them. The text has the lines that the program prints, with keyword arguments for flags: what, `caused by`, `help`.
 
 use pyo3::prelude::*;
 pub(crate) use sinew_words::exit_codes::{FAILED, INPUT, USAGE};
-use sinew_words::in_python;
 use std::error::Error;
 
 /// An error on its way to Python.
@@ -29,8 +28,7 @@ impl Failure {
             causes.push(inner.to_string());
             cause = inner.source();
         }
-        let help = help.as_deref().map(in_python);
-        Self { code, what: in_python(&error.to_string()), causes, help }
+        Self { code, what: error.to_string(), causes, help }
     }
 
     /// An argument that cannot be used.
@@ -45,20 +43,8 @@ impl Failure {
     }
 
     fn exception(&self, py: Python<'_>) -> PyResult<PyErr> {
-        let class = match self.code {
-            2 => "UsageError",
-            3 => "InputError",
-            5 => "FileError",
-            _ => "SinewError",
-        };
-        let mut text = self.what.clone();
-        self.causes.iter().for_each(|cause| text += &format!("\ncaused by: {cause}"));
-        self.help.iter().for_each(|help| text += &format!("\nhelp: {help}"));
-        let class = py.import("sinew._errors")?.getattr(class)?;
-        let exception = class.call1((text,))?;
-        exception.setattr("exit_code", self.code)?;
-        exception.setattr("help", self.help.as_deref())?;
-        Ok(PyErr::from_value(exception))
+        let made = py.import("sinew._errors")?.getattr("error")?;
+        Ok(PyErr::from_value(made.call1((self.code, &self.what, &self.causes, self.help.as_deref()))?))
     }
 }
 
@@ -99,15 +85,8 @@ program_errors!(
     sinew_setup::Error,
     sinew_results::Error,
     sinew_motion::Error,
-    sinew_analysis::Error,
     sinew_report::Error
 );
-
-impl From<sinew_batch::Error> for Failure {
-    fn from(error: sinew_batch::Error) -> Self {
-        Self::new(sinew_words::exit_codes::of_study(&error), &error, sinew_words::batch::help(&error))
-    }
-}
 
 impl From<sinew::formats::Error> for Failure {
     fn from(error: sinew::formats::Error) -> Self {

@@ -26,10 +26,7 @@ fn _sinew(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<body::PyBody>()?;
     module.add_class::<camera::PyCamera>()?;
-    module.add_class::<triangulation::PyTriangulated>()?;
-    module.add_class::<chains::PyChainDraws>()?;
     module.add_class::<motion::PyMotion>()?;
-    module.add_class::<simulation::PySimulated>()?;
     module.add_function(wrap_pyfunction!(triangulation::triangulate, module)?)?;
     module.add_function(wrap_pyfunction!(chains::no_u_turn, module)?)?;
     module.add_function(wrap_pyfunction!(chains::hamiltonian, module)?)?;
@@ -41,12 +38,13 @@ fn _sinew(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(particles::bulk_ess, module)?)?;
     module.add_function(wrap_pyfunction!(particles::tail_ess, module)?)?;
     module.add_function(wrap_pyfunction!(run::track, module)?)?;
-    module.add_function(wrap_pyfunction!(run::setting_names, module)?)?;
+    module.add_function(wrap_pyfunction!(run::settings_table, module)?)?;
     module.add_function(wrap_pyfunction!(store::zarr_groups, module)?)?;
     module.add_function(wrap_pyfunction!(store::zarr_group, module)?)?;
     module.add_function(wrap_pyfunction!(simulation::simulate, module)?)?;
     module.add_function(wrap_pyfunction!(motion::read_motion, module)?)?;
     module.add_function(wrap_pyfunction!(motion::write_motion, module)?)?;
+    module.add_function(wrap_pyfunction!(motion::restored_motion, module)?)?;
     module.add_function(wrap_pyfunction!(files::kind, module)?)?;
     module.add_function(wrap_pyfunction!(files::read_calibration, module)?)?;
     module.add_function(wrap_pyfunction!(files::write_calibration, module)?)?;

@@ -5,11 +5,12 @@ use crate::background::detached;
 use crate::failure::Failure;
 use numpy::PyArrayDyn;
 use pyo3::prelude::*;
+use sinew::formats::bvh::{Bvh, BvhJoint, Channel};
 use sinew::formats::mot::Mot;
 use sinew::formats::point_table::PointTable;
 use sinew_motion::convert::{self, Content, Format, Motion};
 use sinew_results::write_whole;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A motion: points (TRC, C3D, CSV), coordinates (MOT, CSV) or a skeleton (BVH, ASF/AMC) over time.
 ///
@@ -136,10 +137,90 @@ impl PyMotion {
         array(py, [points.frames.len(), points.names.len(), 3], places)
     }
 
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, PickledMotion)> {
+        let Motion { format, rate_hz, start_frame, content, warnings } = &self.0;
+        let restored = py.import("sinew._sinew")?.getattr("restored_motion")?;
+        let pickled = Pickled::from(content.clone());
+        Ok((restored, (format.name().to_lowercase(), *rate_hz, *start_frame, pickled, warnings.clone())))
+    }
+
     fn __repr__(&self) -> String {
         let (frames, rate) = (self.0.frames(), self.0.rate_hz);
         format!("Motion({} of {}: {frames} frames at {rate} per second)", self.kind(), self.format())
     }
+}
+
+/// Extension of the format, frames per second, number of the first frame, content, what was odd.
+type PickledMotion = (String, f64, i64, Pickled, Vec<String>);
+/// Name, parent, offset, channels (whether a rotation, axis), tip.
+type PickledJoint = (String, Option<usize>, [f64; 3], Vec<(bool, usize)>, Option<[f64; 3]>);
+
+/// The content of a motion as plain values of Python.
+#[derive(FromPyObject, IntoPyObject)]
+pub(crate) enum Pickled {
+    /// Names, times, frames.
+    Points(Vec<String>, Vec<f64>, Vec<Vec<Option<[f64; 3]>>>),
+    /// Title, whether in degrees, columns, times, rows.
+    Coordinates(String, bool, Vec<String>, Vec<f64>, Vec<Vec<f64>>),
+    /// Joints, duration of a frame, frames.
+    Skeleton(Vec<PickledJoint>, f64, Vec<Vec<f64>>),
+}
+
+impl From<Content> for Pickled {
+    fn from(content: Content) -> Self {
+        let pair = |channel: &Channel| match *channel {
+            Channel::Position(axis) => (false, axis),
+            Channel::Rotation(axis) => (true, axis),
+        };
+        let joint = |BvhJoint { name, parent, offset, channels, end_site }| {
+            let channels: Vec<Channel> = channels;
+            (name, parent, offset, channels.iter().map(pair).collect(), end_site)
+        };
+        match content {
+            Content::Points(PointTable { names, time_s, frames }) => Self::Points(names, time_s, frames),
+            Content::Coordinates(Mot { title, in_degrees, columns, time_s, rows, .. }) => {
+                Self::Coordinates(title, in_degrees, columns, time_s, rows)
+            }
+            Content::Skeleton(Bvh { joints, frame_time_s, frames, .. }) => {
+                Self::Skeleton(joints.into_iter().map(joint).collect(), frame_time_s, frames)
+            }
+        }
+    }
+}
+
+impl From<Pickled> for Content {
+    fn from(pickled: Pickled) -> Self {
+        let channel = |(rotates, axis)| if rotates { Channel::Rotation(axis) } else { Channel::Position(axis) };
+        let joint = |(name, parent, offset, channels, end_site): PickledJoint| {
+            let channels = channels.into_iter().map(channel).collect();
+            BvhJoint { name, parent, offset, channels, end_site }
+        };
+        let warnings = vec![];
+        match pickled {
+            Pickled::Points(names, time_s, frames) => Self::Points(PointTable { names, time_s, frames }),
+            Pickled::Coordinates(title, in_degrees, columns, time_s, rows) => {
+                Self::Coordinates(Mot { title, in_degrees, columns, time_s, rows, warnings })
+            }
+            Pickled::Skeleton(joints, frame_time_s, frames) => {
+                let joints = joints.into_iter().map(joint).collect();
+                Self::Skeleton(Bvh { joints, frame_time_s, frames, warnings })
+            }
+        }
+    }
+}
+
+/// A motion that was pickled.
+#[pyfunction]
+pub(crate) fn restored_motion(
+    extension: &str,
+    rate_hz: f64,
+    start_frame: i64,
+    content: Pickled,
+    warnings: Vec<String>,
+) -> PyResult<PyMotion> {
+    let format = Format::of(Path::new(&format!("motion.{extension}"))).map_err(sinew_motion::Error::from);
+    let format = format.map_err(Failure::from)?;
+    Ok(PyMotion(Motion { format, rate_hz, start_frame, content: content.into(), warnings }))
 }
 
 /// Reads a motion file, for AMC files with their skeleton.

@@ -7,6 +7,7 @@ use crate::failure::{Failure, USAGE};
 use crate::given::Given;
 use pyo3::prelude::*;
 use sinew::config::common::CONFIDENCE_SCALE;
+use sinew::config::setting::{Setting, SettingKind};
 use sinew::config::table;
 use sinew::formats::nearest::nearest;
 use sinew::run::calibration;
@@ -35,7 +36,7 @@ fn locked<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 
 impl Heard {
     fn text(&self, kind: &'static str, text: &str) {
-        locked(&self.texts).push((kind, sinew_words::in_python(text)));
+        locked(&self.texts).push((kind, text.to_owned()));
     }
 
     /// Hands everything on: `hear(kind, text)` and `count(what, unit, done, total)`.
@@ -86,7 +87,7 @@ fn named(settings: Vec<(String, String)>) -> Result<Settings, Failure> {
             let meant = meant.map(|key| format!("; did you mean `{key}`?")).unwrap_or_default();
             Err(Failure {
                 code: USAGE,
-                help: Some("docs/reference/settings.md lists all of them".into()),
+                help: Some("`sinew.settings()` lists all of them".into()),
                 ..Failure::argument(format!("unknown setting `{key}`{meant}"))
             })
         }
@@ -94,16 +95,31 @@ fn named(settings: Vec<(String, String)>) -> Result<Settings, Failure> {
     settings.into_iter().map(known).collect()
 }
 
-/// Names and help of all settings, in the order of the reference.
+/// All settings in the order of the reference: name, help, what kind of value, and the values where they are few.
 #[pyfunction]
-pub(crate) fn setting_names() -> Vec<(&'static str, String)> {
-    table::settings().iter().map(|setting| (setting.key, setting.help.to_string())).collect()
+pub(crate) fn settings_table() -> Vec<(&'static str, &'static str, &'static str, Vec<&'static str>)> {
+    let row = |setting: &Setting| {
+        let (kind, choices): (_, &[&str]) = match setting.kind {
+            SettingKind::Path | SettingKind::NameOrPath => ("path", &[]),
+            SettingKind::Choice(names) => ("choice", names),
+            SettingKind::Count(..) => ("count", &[]),
+            SettingKind::Number { .. } => ("number", &[]),
+            SettingKind::Flag => ("flag", &[]),
+            SettingKind::Frames => ("frames", &[]),
+            SettingKind::Text => ("text", &[]),
+            SettingKind::Names => ("names", &[]),
+            SettingKind::Direction => ("direction", &[]),
+            SettingKind::Lags => ("lags", &[]),
+        };
+        (setting.key, setting.help, kind, choices.to_vec())
+    };
+    table::settings().iter().map(row).collect()
 }
 
 /// Cameras, keypoints, names of the points and the number of the first frame.
 type GivenArrays<'py> = (Vec<PyRef<'py, PyCamera>>, Bound<'py, PyAny>, Option<Vec<Option<String>>>, u64);
 
-/// Tracks; returns the result folder, whether it is complete, and the diagnostics that failed.
+/// Tracks; returns the result folder and the diagnostics that failed.
 #[pyfunction]
 #[pyo3(signature = (settings, given, config, resume, page, write_calibration, hear, count))]
 #[allow(clippy::too_many_arguments)]
@@ -117,7 +133,7 @@ pub(crate) fn track(
     write_calibration: Option<PathBuf>,
     hear: Py<PyAny>,
     count: Py<PyAny>,
-) -> PyResult<(PathBuf, bool, Vec<String>)> {
+) -> PyResult<(PathBuf, Vec<String>)> {
     let settings = named(settings)?;
     let given = given
         .map(|(cameras, keypoints, points, first)| {
@@ -151,23 +167,22 @@ pub(crate) fn track(
             Ok(came_to)
         },
     )?;
-    let (complete, failed) = ended(&came_to);
-    Ok((out, complete, failed))
+    Ok((out, failed_diagnostics(&came_to)))
 }
 
-/// Whether the run came to its end, and the diagnostics that failed.
-fn ended(came_to: &CameTo) -> (bool, Vec<String>) {
+/// The diagnostics that failed.
+fn failed_diagnostics(came_to: &CameTo) -> Vec<String> {
     match came_to {
-        CameTo::One(outcome) => (outcome.summary.complete, outcome.summary.failed_diagnostics.clone()),
+        CameTo::One(outcome) => outcome.summary.failed_diagnostics.clone(),
         CameTo::Complete(summary) => {
             let failed = summary["failed_diagnostics"].as_array().into_iter().flatten();
-            (true, failed.filter_map(|text| text.as_str()).map(str::to_owned).collect())
+            failed.filter_map(|text| text.as_str()).map(str::to_owned).collect()
         }
         CameTo::Several(summary) => {
             let failed = summary.people.iter().flat_map(|person| {
                 person.failed_diagnostics.iter().map(|failed| format!("person {}: {failed}", person.person))
             });
-            (summary.complete, failed.collect())
+            failed.collect()
         }
     }
 }

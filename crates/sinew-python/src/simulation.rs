@@ -1,11 +1,11 @@
 //! A person who walks before cameras, with known truth.
 
-use crate::arrays::array;
+use crate::arrays::{array, record};
 use crate::background::detached;
 use crate::camera::PyCamera;
 use crate::failure::{Failure, USAGE};
-use numpy::PyArrayDyn;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use sinew::core::random::Stage;
 use sinew::formats::openpose::Keypoint;
 use sinew_simulate::detector::{Detections, DetectorNoise, detect};
@@ -14,43 +14,6 @@ use sinew_simulate::ring::Ring;
 
 /// Frames of all cameras beyond which a simulation is refused.
 const MOST_FRAMES: f64 = 1e6;
-
-/// What cameras saw of a person who walks, and where they were.
-///
-/// Attributes
-/// ----------
-/// cameras
-///     The cameras, as their calibration has them.
-/// keypoints
-///     (frames, cameras, 1, keypoints, 3): u, v in pixels and confidence; NaN where nothing was detected.
-/// layout
-///     Names of the keypoints, BODY_25B.
-/// truth
-///     (frames, points, 3), true places of all points of the body, metres.
-/// points
-///     Names of these points.
-/// poses
-///     (frames, dof), true state of the body h32, metres and radians.
-/// rate_hz
-///     Frames per second.
-#[pyclass(frozen, get_all, name = "Simulated", module = "sinew")]
-pub(crate) struct PySimulated {
-    cameras: Vec<Py<PyCamera>>,
-    keypoints: Py<PyArrayDyn<f64>>,
-    layout: Vec<Option<String>>,
-    truth: Py<PyArrayDyn<f64>>,
-    points: Vec<String>,
-    poses: Py<PyArrayDyn<f64>>,
-    rate_hz: f64,
-}
-
-#[pymethods]
-impl PySimulated {
-    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let frames = self.truth.bind(py).len()?;
-        Ok(format!("Simulated({frames} frames at {} per second, {} cameras)", self.rate_hz, self.cameras.len()))
-    }
-}
 
 /// Simulate a person who stands, walks and stops, seen by calibrated cameras.
 ///
@@ -72,14 +35,14 @@ impl PySimulated {
 /// A `Simulated`; the walker goes along y, from about -1 m to 1 m in four seconds. Keypoints outside an image are missing.
 #[pyfunction]
 #[pyo3(signature = (cameras = None, *, duration_s = 4.0, fps = 30.0, sigma_px = None, seed = 1))]
-pub(crate) fn simulate(
-    py: Python<'_>,
+pub(crate) fn simulate<'py>(
+    py: Python<'py>,
     cameras: Option<&Bound<'_, PyAny>>,
     duration_s: f64,
     fps: f64,
     sigma_px: Option<f64>,
     seed: u64,
-) -> PyResult<PySimulated> {
+) -> PyResult<Bound<'py, PyAny>> {
     let (count, rig) = match cameras {
         None => (Ring::default().cameras, None),
         Some(given) => match given.extract::<usize>() {
@@ -138,7 +101,7 @@ fn hide_outside(recording: &mut SyntheticRecording) {
     }
 }
 
-fn simulated(py: Python<'_>, recording: SyntheticRecording) -> PyResult<PySimulated> {
+fn simulated(py: Python<'_>, recording: SyntheticRecording) -> PyResult<Bound<'_, PyAny>> {
     let SyntheticRecording { body, states, truth, cameras, layout, keypoints, rate_hz, .. } = recording;
     let (frames, views, width) = (states.len(), cameras.len(), layout.points.len());
     let mut values = vec![f64::NAN; frames * views * width * 3];
@@ -151,13 +114,14 @@ fn simulated(py: Python<'_>, recording: SyntheticRecording) -> PyResult<PySimula
         }
     }
     let places = truth.frames.iter().flatten().flatten().copied().collect();
-    Ok(PySimulated {
-        cameras: cameras.into_iter().map(|camera| Py::new(py, PyCamera(camera))).collect::<PyResult<_>>()?,
-        keypoints: array(py, [frames, views, 1, width, 3], values)?.unbind(),
-        layout: layout.points,
-        truth: array(py, [frames, truth.names.len(), 3], places)?.unbind(),
-        points: truth.names.iter().map(ToString::to_string).collect(),
-        poses: array(py, [frames, body.dof()], states.concat())?.unbind(),
-        rate_hz,
-    })
+    let cameras = cameras.into_iter().map(|camera| Py::new(py, PyCamera(camera))).collect::<PyResult<Vec<_>>>()?;
+    let made = PyDict::new(py);
+    made.set_item("cameras", cameras)?;
+    made.set_item("keypoints", array(py, [frames, views, 1, width, 3], values)?)?;
+    made.set_item("layout", layout.points)?;
+    made.set_item("truth", array(py, [frames, truth.names.len(), 3], places)?)?;
+    made.set_item("points", truth.names.iter().map(ToString::to_string).collect::<Vec<_>>())?;
+    made.set_item("poses", array(py, [frames, body.dof()], states.concat())?)?;
+    made.set_item("rate_hz", rate_hz)?;
+    record(py, "Simulated", &made)
 }

@@ -1,11 +1,11 @@
 //! Points in space from their pixels in several cameras, with covariance.
 
-use crate::arrays::{array, numbers, room, shaped};
+use crate::arrays::{array, numbers, record, room, shaped};
 use crate::background::detached;
 use crate::camera::PyCamera;
 use crate::failure::Failure;
-use numpy::PyArrayDyn;
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use rayon::prelude::*;
 use sinew::observe::Camera;
 use sinew::observe::cameras::triangulate::{Config, Search, Seen, refined, triangulate as from_rays};
@@ -14,29 +14,6 @@ use sinew::observe::cameras::triangulate::{Config, Search, Seen, refined, triang
 const RESULT: usize = 3 + 9 + 1;
 /// Numbers of a camera in a result: residual, whether it was used.
 const VIEW: usize = 3;
-
-/// Points with what the pixels know about them.
-///
-/// Attributes
-/// ----------
-/// points
-///     (..., 3), metres; NaN where fewer than two cameras agree.
-/// covariances
-///     (..., 3, 3), square metres, for independent pixel errors of `sigma_px`.
-/// errors_px
-///     (...), mean pixel distance over the cameras used, before the refinement.
-/// residuals_px
-///     (..., cameras, 2), observed minus projected, pixels; NaN where a camera was not used.
-/// used
-///     (..., cameras), whether the camera was used.
-#[pyclass(frozen, get_all, name = "Triangulated", module = "sinew")]
-pub(crate) struct PyTriangulated {
-    points: Py<PyArrayDyn<f64>>,
-    covariances: Py<PyArrayDyn<f64>>,
-    errors_px: Py<PyArrayDyn<f64>>,
-    residuals_px: Py<PyArrayDyn<f64>>,
-    used: Py<PyArrayDyn<bool>>,
-}
 
 /// Triangulate points that calibrated cameras see.
 ///
@@ -54,16 +31,20 @@ pub(crate) struct PyTriangulated {
 ///     Mean pixel distance from which on cameras are left out.
 /// least_confidence
 ///     Detections of lower confidence do not count.
+///
+/// Returns
+/// -------
+/// A `Triangulated`.
 #[pyfunction]
 #[pyo3(signature = (cameras, pixels, *, sigma_px = None, error_px = 15.0, least_confidence = 0.3))]
-pub(crate) fn triangulate(
-    py: Python<'_>,
+pub(crate) fn triangulate<'py>(
+    py: Python<'py>,
     cameras: Vec<PyRef<'_, PyCamera>>,
     pixels: &Bound<'_, PyAny>,
     sigma_px: Option<&Bound<'_, PyAny>>,
     error_px: f64,
     least_confidence: f64,
-) -> PyResult<PyTriangulated> {
+) -> PyResult<Bound<'py, PyAny>> {
     let cameras: Vec<Camera> = cameras.iter().map(|camera| camera.0.clone()).collect();
     if cameras.len() < 2 {
         return Err(Failure::argument(format!("`cameras`: {} given; at least two are needed", cameras.len())).into());
@@ -86,13 +67,13 @@ pub(crate) fn triangulate(
     let by_view = |row: &[f64]| row[RESULT..].as_chunks::<VIEW>().0.to_vec();
     let residuals = rows().flat_map(|row| by_view(row).into_iter().flat_map(|[u, v, _]| [u, v])).collect();
     let used = rows().flat_map(|row| by_view(row).into_iter().map(|[_, _, used]| used == 1.0)).collect();
-    Ok(PyTriangulated {
-        points: array(py, shaped(leading, &[3]), part(0, 3))?.unbind(),
-        covariances: array(py, shaped(leading, &[3, 3]), part(3, 12))?.unbind(),
-        errors_px: array(py, leading.iter().copied(), part(12, RESULT))?.unbind(),
-        residuals_px: array(py, shaped(leading, &[views, 2]), residuals)?.unbind(),
-        used: array(py, shaped(leading, &[views]), used)?.unbind(),
-    })
+    let made = PyDict::new(py);
+    made.set_item("points", array(py, shaped(leading, &[3]), part(0, 3))?)?;
+    made.set_item("covariances", array(py, shaped(leading, &[3, 3]), part(3, 12))?)?;
+    made.set_item("errors_px", array(py, leading.iter().copied(), part(12, RESULT))?)?;
+    made.set_item("residuals_px", array(py, shaped(leading, &[views, 2]), residuals)?)?;
+    made.set_item("used", array(py, shaped(leading, &[views]), used)?)?;
+    record(py, "Triangulated", &made)
 }
 
 fn sigmas(given: Option<&Bound<'_, PyAny>>, cameras: usize) -> PyResult<Vec<f64>> {

@@ -9,6 +9,22 @@ import pytest
 import sinew
 
 WORKSPACE = Path(__file__).resolve().parents[3]
+BVH = """HIERARCHY
+ROOT Hip
+{
+OFFSET 0 90 0
+CHANNELS 6 Xposition Yposition Zposition Zrotation Yrotation Xrotation
+End Site
+{
+OFFSET 0 80 10
+}
+}
+MOTION
+Frames: 2
+Frame Time: .04
+0 0 0 0 0 0
+10 5 0 30 20 10
+"""
 
 
 @pytest.fixture(scope="session")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import sinew
+from conftest import BVH
 
 BODIES = ["h32", "cf28", "hppf24", "hapf31"]
 
@@ -113,6 +114,44 @@ def test_bodies_of_files_may_be_bare(tmp_path):
     file.write_text('[[link]]\nname = "arm"\n')
     with pytest.raises(sinew.InputError, match="has no degree of freedom"):
         sinew.Body(str(file))
+
+
+def test_a_table_of_offsets_is_a_body():
+    offsets = [[0, 0, 0.9], [0.1, 0, -0.4], [0, 0.05, -0.4], [0, 0, 0.5]]
+    links, parents = ["hip", "knee", "ankle", "head"], [None, "hip", "knee", "hip"]
+    body = sinew.Body.from_offsets(links, parents, offsets, ["tx ty tz rz ry rx", "rx", "", "ry"])
+    assert body.points == body.links == links and body.parents == [None, 0, 1, 0]
+    assert body.dof_names[5:] == ["hip.rx", "knee.rx", "head.ry"]
+    poses = np.random.default_rng(5).normal(size=(4, body.dof))
+    np.testing.assert_allclose(body.positions(poses), [chain(body, pose) for pose in poses], atol=1e-12)
+    for change, words in [
+        ({"parents": [None, "hip", "knee"]}, "`parents` has 3 entries; expected links = 4"),
+        ({"offsets": offsets[:3]}, r"`offsets` has the shape \(3, 3\); expected \(links = 4"),
+        ({"parents": [None, "ankle", "knee", "hip"]}, "no link before it is named `ankle`"),
+        ({"joints": ["rq", "", "", ""]}, "unknown joint `rq`"),
+    ]:
+        given = {"links": links, "parents": parents, "offsets": offsets, "joints": ["tx", "", "", ""]} | change
+        with pytest.raises(sinew.InputError, match=words):
+            sinew.Body.from_offsets(**given)
+
+
+@pytest.mark.filterwarnings("ignore::sinew.SinewWarning")
+def test_robots_and_skeletons_are_bodies(tmp_path):
+    """A quarter turn about y takes the forearm from below the elbow to behind it; a BVH file's points are its motion's."""
+    ends = '<parent link="base"/><child link="arm"/><origin xyz="0 0 1.4"/><axis xyz="0 1 0"/>'
+    tip = '<parent link="arm"/><child link="hand"/><origin xyz="0 0 -0.3"/>'
+    links = '<link name="base"/><link name="arm"/><link name="hand"/>'
+    joints = f'<joint name="a" type="revolute">{ends}</joint><joint name="b" type="fixed">{tip}</joint>'
+    (tmp_path / "arm.urdf").write_text(f'<robot name="r">{links}{joints}</robot>')
+    for arm in (sinew.Body(str(tmp_path / "arm.urdf")), sinew.read(tmp_path / "arm.urdf", sinew.Body)):
+        assert arm.dof_names == ["arm.ry"]
+        np.testing.assert_allclose(arm.positions([np.pi / 2])[2], [-0.3, 0, 1.4], atol=1e-12)
+    file = tmp_path / "walk.bvh"
+    file.write_text(BVH)
+    body, motion = sinew.Body.from_bvh(file, unit_m=0.01), sinew.read(file, sinew.Motion)
+    assert body.points == motion.names
+    pose = [0.1, 0.05, 0, *np.deg2rad([30, 20, 10])]
+    np.testing.assert_allclose(body.positions(pose), 0.01 * motion.values[1], atol=1e-12)
 
 
 def test_an_unknown_body_has_the_words_of_the_program():

@@ -93,5 +93,5 @@ def test_what_is_no_file_of_ours_is_said(tmp_path):
         sinew.write(tmp_path / "c.toml", 3)
     with pytest.raises(sinew.UsageError, match="is no name of a calibration"):
         sinew.write(tmp_path / "c.json", sinew.simulate(duration_s=0.2).cameras)
-    with pytest.raises(sinew.InputError, match="holds no results of one person"):
+    with pytest.raises(sinew.InputError, match="holds no results"):
         sinew.Result(tmp_path)

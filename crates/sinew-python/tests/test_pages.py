@@ -14,6 +14,8 @@ CRATE = Path(__file__).resolve().parents[1]
 @pytest.fixture
 def names(walk, recording, setup, monkeypatch, tmp_path):
     """What a reader of the guide has: a recording in the folder, arrays of it."""
+    pytest.importorskip("matplotlib", reason="no matplotlib")
+    monkeypatch.setenv("MPLBACKEND", "Agg")
     (tmp_path / "Calib.toml").write_bytes((recording / "Calib.toml").read_bytes())
     (tmp_path / "pose").symlink_to(recording / "pose", target_is_directory=True)
     monkeypatch.chdir(tmp_path)

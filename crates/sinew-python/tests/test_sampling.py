@@ -15,6 +15,7 @@ def gaussian(states):
     return 0.5 * ((states - MEAN) * gradient).sum(axis=1), gradient
 
 
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
 @pytest.mark.parametrize("sampler", [sinew.samplers.nuts, sinew.samplers.hmc])
 def test_draws_are_of_the_gaussian(sampler):
     """Mean and covariance within 5 standard errors of the effective number of draws."""
@@ -42,11 +43,48 @@ def test_a_run_that_fails_warns():
         values, gradients = gaussian(states)
         return np.where(np.sin(40 * states[:, 0]) > 0, values, -np.inf), gradients
 
-    with pytest.warns(UserWarning, match="trajectories diverged"):
+    with pytest.warns(RuntimeWarning) as heard:
         found = sinew.samplers.nuts(walled, np.full((4, 3), 0.04), draws=200, warm_up=170)
-    assert any("trajectories diverged" in warning for warning in found.warnings)
+    assert found.warnings == [str(of.message) for of in heard if of.category is RuntimeWarning]
+    assert all(of.filename == __file__ for of in heard)
+    for words in ("trajectories diverged", "R-hat of", "effective draws"):
+        assert any(words in warning for warning in found.warnings), words
 
 
+def test_trees_and_energies_that_fail_warn():
+    """Trees of depth 1 on a Gaussian in twenty dimensions; the energies of a funnel, whose E-BFMI is low."""
+    with pytest.warns(RuntimeWarning, match="trees reached the greatest depth .* raise `max_depth`"):
+        normal = lambda x: (-0.5 * (x**2).sum(1), -x)  # noqa: E731
+        sinew.samplers.nuts(normal, np.zeros((4, 20)), draws=100, warm_up=170, max_depth=1)
+
+    def funnel(x):
+        v, rest = x[:, :1], x[:, 1:]
+        square = (rest**2).sum(1, keepdims=True) * np.exp(-v)
+        value = -v[:, 0] ** 2 / 18 - 0.5 * square[:, 0] - 0.5 * rest.shape[1] * v[:, 0]
+        return value, np.hstack([-v / 9 + 0.5 * square - 0.5 * rest.shape[1], -rest * np.exp(-v)])
+
+    with pytest.warns(RuntimeWarning, match=r"E-BFMI is 0\.\d\d in one chain, below 0\.3"):
+        sinew.samplers.nuts(funnel, np.ones((4, 10)), draws=200, warm_up=170, max_depth=5, seed=1)
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_chains_go_to_arviz():
+    found = sinew.samplers.nuts(gaussian, np.zeros((3, 3)), draws=50, warm_up=170)
+    tree = found.to_arviz()
+    assert dict(tree["posterior"].sizes) == {"chain": 3, "draw": 50, "coordinate": 3}
+    np.testing.assert_array_equal(tree["posterior"]["x"].values, found.draws)
+    stats = tree["sample_stats"]
+    for name, values in {"diverging": found.diverging, "energy": found.energy, "lp": found.lp}.items():
+        assert stats[name].dims == ("chain", "draw")
+        np.testing.assert_array_equal(stats[name].values, values)
+    named = found.to_arviz(["a", "b", "c"])["posterior"]
+    np.testing.assert_array_equal(named["b"].values, found.draws[:, :, 1])
+    arviz = pytest.importorskip("arviz", reason="no arviz")
+    r_hat = float(arviz.rhat(found.to_arviz(["a", "b", "c"]))["b"])
+    assert r_hat == pytest.approx(sinew.samplers.r_hat(found.draws[:, :, 1]), abs=1e-9)
+
+
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
 def test_the_same_seed_gives_the_same_draws():
     draws = [sinew.samplers.nuts(gaussian, np.zeros((3, 3)), draws=50, warm_up=170, seed=s).draws for s in (1, 1, 2)]
     np.testing.assert_array_equal(draws[0], draws[1])

@@ -13,6 +13,8 @@ import pytest
 import xarray as xr
 
 import sinew
+from sinew import _result
+from sinew._words import in_python
 
 pytestmark = pytest.mark.filterwarnings("ignore::sinew.SinewWarning", "ignore::sinew.DiagnosticWarning")
 
@@ -88,7 +90,33 @@ def test_results_describe_themselves(result):
     assert set(result.angles.name.values) >= {"hip_flexion_r", "knee_angle_r"}
     assert result.state.sizes["name"] == 32
     assert "8 frames, complete" in repr(result)
-    assert isinstance(sinew.read(result.path), sinew.Result)
+    assert sinew.read(result.path, sinew.Result).joints.equals(result.joints)
+    assert result.people == {1: result} and result[1] is result
+    with pytest.raises(KeyError, match=r"no results of person 2; there are \[1\]"):
+        result[2]
+
+
+def test_results_are_plotted_with_their_bands(result):
+    plt = pytest.importorskip("matplotlib.pyplot", reason="no matplotlib")
+    plt.switch_backend("Agg")
+    axes = result.plot("RWrist")
+    wrist = result.joints.sel(joint="RWrist")
+    assert [axis.get_ylabel() for axis in axes] == ["x (m)", "y (m)", "z (m)"]
+    for axis, name in zip(axes, "xyz", strict=True):
+        np.testing.assert_array_equal(axis.lines[0].get_ydata(), wrist[f"{name}_mean_m"])
+        corners = axis.collections[0].get_paths()[0].vertices[:, 1]
+        assert (corners.min(), corners.max()) == (wrist[f"{name}_q05_m"].min(), wrist[f"{name}_q95_m"].max())
+    (axis,) = result.plot("knee_angle_r")
+    np.testing.assert_array_equal(axis.lines[0].get_ydata(), result.angles.mean_deg.sel(name="knee_angle_r"))
+    with pytest.raises(KeyError, match="no joint, keypoint or angle `RWrits`; known: .*RWrist"):
+        result.plot("RWrits")
+    plt.close("all")
+
+
+def test_a_plot_says_what_it_needs(result, monkeypatch):
+    monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
+    with pytest.raises(ImportError, match="plots need Matplotlib\nhelp: install it"):
+        result.plot("RWrist")
 
 
 def test_a_temporary_folder_lives_as_long_as_its_result(walk, setup):
@@ -111,13 +139,29 @@ def test_several_people_are_results_each(walk, setup):
                 second[:, view, 0, k] = np.column_stack([pixels[:, column], np.full(len(other), 0.8)])
     both = np.concatenate([walk.keypoints, second], axis=2)
     found = sinew.track(walk.cameras, both, layout=walk.layout, fps=20, frames=(0, 8), setup_frames=(0, 8))
-    assert isinstance(found, sinew.People)
-    people = [person for person in found.people if person is not None]
-    assert len(people) == 2
-    apart = [float(person.joints.y_mean_m.mean()) for person in people]
+    assert isinstance(found, sinew.Result) and list(found.people) == [1, 2]
+    apart = [float(person.joints.y_mean_m.mean()) for person in found.people.values()]
     assert abs(abs(apart[0] - apart[1]) - 2.0) < 0.1
+    assert found[2].joints.sizes == {"frame": 8, "joint": 26}
+    # The same attributes, over a dimension more.
+    assert found.joints.sizes == {"person": 2, "frame": 8, "joint": 26}
+    assert found.joints.sel(person=2).drop_vars("person").equals(found[2].joints)
+    assert found.posterior.sel(person=1).drop_vars("person").equals(found[1].posterior)
+    assert found.to_datasets()["sample_stats"].diverging.dtype == bool
+    assert found.complete and "2 people" in repr(found)
+    pytest.importorskip("matplotlib", reason="no matplotlib")
+    assert [len(axis.lines) for axis in found.plot("RWrist")] == [2, 2, 2]
     alone = sinew.track(walk.cameras, both, layout=walk.layout, fps=20, frames=(0, 8), person=1, setup=setup)
-    assert isinstance(alone, sinew.Result)
+    assert alone.joints.sizes == {"frame": 8, "joint": 26}
+
+
+def test_frames_that_a_person_lacks_are_missing():
+    frames = [xr.Dataset({"x": ("frame", np.ones(2)), "bad": ("frame", [True, False])}, {"frame": of, "time": ("frame", np.array(of) / 20)}) for of in ([0, 1], [1, 2])]
+    both = _result._stacked({1: frames[0], 3: frames[1]})
+    assert both.sizes == {"person": 2, "frame": 3} and both.person.values.tolist() == [1, 3]
+    np.testing.assert_array_equal(both.x, [[1, 1, np.nan], [np.nan, 1, 1]])
+    np.testing.assert_array_equal(both.bad, [[True, False, False], [False, True, False]])
+    np.testing.assert_array_equal(both.time, [0, 0.05, 0.1])
 
 
 def test_progress_and_warnings_are_heard(walk, setup):
@@ -129,10 +173,15 @@ def test_progress_and_warnings_are_heard(walk, setup):
             walk.keypoints[:4],
             layout=walk.layout,
             setup=setup,
+            particles=100,
             progress=lambda *counted: heard.append(counted),
         )
     assert any(what == "tracking" and unit == "frames" and total == 4 for what, unit, _, total in heard)
-    assert any("frame rate" in str(of.message) or "fps" in str(of.message) for of in caught)
+    texts = [str(of.message) for of in caught if of.category is sinew.SinewWarning]
+    assert any(text.endswith("30 frames per second assumed (`fps`)") for text in texts)
+    assert '`particles` changes nothing with `method="hmc"`' in texts
+    assert not any("--" in text for text in texts)
+    assert all(of.filename == __file__ for of in caught if of.category is sinew.SinewWarning)
 
 
 def test_errors_are_those_of_the_program(program, recording, tmp_path):
@@ -155,7 +204,8 @@ def test_errors_are_those_of_the_program(program, recording, tmp_path):
         finally:
             os.chdir(here)
         assert raised.value.exit_code == ended.returncode
-        assert f"error: {raised.value}" in ended.stderr
+        assert f"error: {raised.value}" in in_python(ended.stderr)
+        assert "`--" not in str(raised.value)
 
 
 @pytest.mark.parametrize(

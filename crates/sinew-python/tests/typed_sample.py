@@ -27,15 +27,26 @@ def main(folder: Path) -> None:
 
     walk = sinew.simulate(duration_s=1.0)
     result = sinew.track(walk.cameras, walk.keypoints, layout=walk.layout, fps=walk.rate_hz, frames=(0, 10), seed=7)
-    assert_type(result, sinew.Result | sinew.People)
-    if isinstance(result, sinew.Result):
-        print(result.joints["x_mean_m"].mean(), result.summary["seed"], result.complete)
-    else:
-        print([person.path for person in result.people if person is not None])
+    assert_type(result, sinew.Result)
+    print(result.joints["x_mean_m"].mean(), result.summary["seed"], result.complete, result[1].path)
+    print([person.path for person in result.people.values()])
+    sinew.track("Calib.toml", "pose", lag={"cam_02": 3}, outlier=0.05, setup_frames=range(60), up=(0, -1, 0))
+    # A checker that lets these pass finds that the comments are not needed.
+    sinew.track("Calib.toml", "pose", metod="hmc")  # type: ignore[call-arg]
+    sinew.track("Calib.toml", "pose", method="hcm")  # type: ignore[arg-type]
+
+    assert_type(sinew.read(folder / "walk.trc", sinew.Motion).values, NDArray[np.float64])
+    sinew.read(folder / "walk.trc").values  # type: ignore[union-attr]
 
     chains = sinew.samplers.nuts(standard_normal, np.zeros((4, 2)), draws=100, seed=1)
     assert_type(chains.draws, NDArray[np.float64])
     weights, log_sum = sinew.particles.normalise(chains.lp.ravel())
+    walker = sinew.particles.ParticleFilter(
+        lambda rng, n: rng.normal(size=(n, 1)),
+        lambda rng, states, frame: states + rng.normal(size=states.shape),
+        lambda observation, states, frame: -0.5 * (states[:, 0] - observation) ** 2,
+    )
+    assert_type(walker.run([0.1, 0.3]).means, NDArray[np.float64])
     print(log_sum, sinew.particles.resample(weights, 10, scheme="stratified"))
 
     try:

@@ -54,18 +54,6 @@ pub const fn exit_code(error: &sinew_report::Error) -> u8 {
     }
 }
 
-/// The code for an error of a study.
-#[must_use]
-pub const fn of_study(error: &sinew_batch::Error) -> u8 {
-    use sinew_batch::Error;
-    match error {
-        Error::Run(error) => run(error),
-        Error::UnlikeTrials { .. } | Error::NoTrials(_) | Error::NotPacked { .. } => INPUT,
-        Error::ShardInUse { .. } => FILES,
-        Error::NotAStudy(_) | Error::StudyFile { .. } => USAGE,
-    }
-}
-
 const fn analysis(error: &sinew_analysis::Error) -> u8 {
     use sinew_analysis::Error;
     match error {
@@ -95,7 +83,9 @@ const fn motion(error: &sinew_motion::Error) -> u8 {
     }
 }
 
-const fn run(error: &sinew::Error) -> u8 {
+/// The code for an error of a run.
+#[must_use]
+pub const fn run(error: &sinew::Error) -> u8 {
     use sinew::Error;
     match error {
         Error::Results(error) => results(error),

@@ -12,7 +12,9 @@ const TRY: &str = "try one of
   sinew track --calibration Calib.toml --silhouettes masks --keypoints pose --method annealed --fps 60
   sinew demo";
 
-pub(crate) fn help(error: &Error) -> Option<String> {
+/// What the user can do about an error of a run.
+#[must_use]
+pub fn help(error: &Error) -> Option<String> {
     let words = match error {
         Error::Results(error) => return results::help(error),
         Error::Track(error) => return tracking(error),

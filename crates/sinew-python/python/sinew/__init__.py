@@ -7,18 +7,10 @@ named results are xarray's.
 from . import particles, samplers
 from ._errors import DiagnosticWarning, FileError, InputError, SinewError, SinewWarning, UsageError
 from ._files import Keypoints, Layout, layouts, read, read_calibration, read_mask, write
-from ._result import People, Result
-from ._sinew import (
-    Body,
-    Camera,
-    ChainDraws,
-    Motion,
-    Simulated,
-    Triangulated,
-    __version__,
-    simulate,
-    triangulate,
-)
+from ._records import ChainDraws, Simulated, Triangulated
+from ._result import Result
+from ._settings import Settings
+from ._sinew import Body, Camera, Motion, __version__, simulate, triangulate
 from ._track import settings, track
 
 __all__ = [
@@ -31,8 +23,8 @@ __all__ = [
     "Keypoints",
     "Layout",
     "Motion",
-    "People",
     "Result",
+    "Settings",
     "Simulated",
     "SinewError",
     "SinewWarning",

@@ -1,4 +1,10 @@
-"""Exceptions: the program's errors, with the same words and exit codes."""
+"""Exceptions: the program's errors and exit codes, in Python's words."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ._words import in_python
 
 
 class SinewError(Exception):
@@ -34,3 +40,13 @@ class DiagnosticWarning(UserWarning):
 
 class SinewWarning(UserWarning):
     """What was odd about an input; the run goes its way."""
+
+
+def error(exit_code: int, what: str, causes: Sequence[str], advice: str | None) -> SinewError:
+    """An error of the library: its lines are what, `caused by` and `help`."""
+    lines = [what, *(f"caused by: {cause}" for cause in causes), *([] if advice is None else [f"help: {advice}"])]
+    kinds: dict[int, type[SinewError]] = {2: UsageError, 3: InputError, 5: FileError}
+    made = kinds.get(exit_code, SinewError)(in_python("\n".join(lines)))
+    made.exit_code = exit_code
+    made.help = None if advice is None else in_python(advice)
+    return made

@@ -8,15 +8,17 @@ import warnings as python_warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar, overload
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from . import _sinew, _store, _tables
 from ._errors import FileError, InputError, SinewWarning, UsageError
-from ._result import opened
+from ._result import Result
 from ._sinew import Body, Camera, Motion
+from ._words import in_python
 
 _PICTURES = (".png", ".jpg", ".jpeg")
 
@@ -46,8 +48,48 @@ class Layout:
     """Names of the points in the detector's order; None where a point has no use."""
 
 
+Content = (
+    list[Camera]
+    | Body
+    | Motion
+    | Keypoints
+    | Layout
+    | Result
+    | NDArray[np.uint8]
+    | dict[str, xr.Dataset]
+    | dict[str, NDArray[Any]]
+    | dict[str, Any]
+)
+"""What `read` returns where nobody says what is expected."""
+
+T = TypeVar("T", Body, Motion, Keypoints, Layout, Result)
+
+
+@overload
 def read(
     path: str | Path,
+    expected: type[T],
+    *,
+    calibration: str | Path | None = None,
+    layout: str | None = None,
+    skeleton: str | Path | None = None,
+    fps: float | None = None,
+    confidence_scale: float = 1.0,
+) -> T: ...
+@overload
+def read(
+    path: str | Path,
+    expected: None = None,
+    *,
+    calibration: str | Path | None = None,
+    layout: str | None = None,
+    skeleton: str | Path | None = None,
+    fps: float | None = None,
+    confidence_scale: float = 1.0,
+) -> Content: ...
+def read(
+    path: str | Path,
+    expected: type[Any] | None = None,
     *,
     calibration: str | Path | None = None,
     layout: str | None = None,
@@ -61,6 +103,9 @@ def read(
     ----------
     path
         A calibration, a body, a motion, keypoints, a picture or mask, a table, results, or draws.
+    expected
+        Class of what it must be, `sinew.Motion` for instance, which type checkers then know: anything else is an
+        `InputError`. Without it the content decides.
     calibration
         For keypoints: the order of the cameras, and their sizes in pixels where files have shares of the image.
     layout
@@ -74,12 +119,28 @@ def read(
 
     Returns
     -------
-    A list of `Camera`, a `Body`, a `Motion`, `Keypoints`, a `Layout`, an array of pixels, a `Result` or `People`, a
-    dict of xarray datasets (draws), of columns (tables), or of values (TOML of settings and set-ups).
+    A list of `Camera` (`read_calibration` for type checkers), a `Body`, a `Motion`, `Keypoints`, a `Layout`, an array
+    of pixels, a `Result`, a dict of xarray datasets (draws), of columns (tables), or of values (TOML of settings and
+    set-ups).
     """
-    path = Path(path)
+    found = _read(Path(path), calibration, layout, skeleton, fps, confidence_scale)
+    if expected is not None and not isinstance(found, expected):
+        raise InputError(f"`{path}` holds a {type(found).__name__}; expected a {expected.__name__}")
+    return found
+
+
+def _read(
+    path: Path,
+    calibration: str | Path | None,
+    layout: str | None,
+    skeleton: str | Path | None,
+    fps: float | None,
+    confidence_scale: float,
+) -> Content:
     if path.is_file() and path.suffix.lower() in _PICTURES:
         return _sinew.read_picture(path)
+    if path.is_file() and path.suffix.lower() == ".urdf":
+        return Body(str(path))
     if path.is_file() and path.suffix.lower() == ".amc":
         return _motion(path, skeleton, fps)
     kind = _sinew.kind(path)
@@ -94,7 +155,7 @@ def read(
         cameras, first, names, rate_hz, values = seen
         return Keypoints(cameras, values, names, first, rate_hz)
     if kind == "results":
-        return opened(path)
+        return Result(path)
     if kind == "draws":
         return {name: _store.group(path, name) for name in _store.groups(path)}
     if kind == "toml":
@@ -109,11 +170,11 @@ def read(
 def _motion(path: Path, skeleton: str | Path | None, fps: float | None) -> Motion:
     motion = _sinew.read_motion(path, None if skeleton is None else Path(skeleton), fps)
     for text in motion.warnings:
-        python_warnings.warn(text, SinewWarning, stacklevel=4)
+        python_warnings.warn(in_python(text), SinewWarning, stacklevel=5)
     return motion
 
 
-def _motion_or_table(path: Path, skeleton: str | Path | None, fps: float | None) -> Any:
+def _motion_or_table(path: Path, skeleton: str | Path | None, fps: float | None) -> Motion | dict[str, NDArray[Any]]:
     try:
         return _motion(path, skeleton, fps)
     except InputError:
@@ -126,7 +187,7 @@ def read_calibration(path: str | Path) -> list[Camera]:
     """Read the cameras of a calibration file of Pose2Sim, Caliscope, Anipose, FreeMoCap, Qualisys or OpenCV."""
     cameras, odd = _sinew.read_calibration(Path(path))
     for text in odd:
-        python_warnings.warn(text, SinewWarning, stacklevel=3)
+        python_warnings.warn(in_python(text), SinewWarning, stacklevel=3)
     return cameras
 
 

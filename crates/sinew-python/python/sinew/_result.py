@@ -4,41 +4,24 @@ from __future__ import annotations
 
 import json
 import tempfile
+from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
-from . import _arviz, _store, _tables
+from . import _arviz, _plot, _store, _tables
 from ._errors import InputError
+from ._words import in_python
 
 
-class _Stored:
-    """What a folder of results says of itself."""
-
-    def __init__(self, path: str | Path) -> None:
-        self.path = Path(path)
-        self.notes: list[str] = []
-        """What the run noted, in order."""
-        self._kept: tempfile.TemporaryDirectory[str] | None = None
-
-    @cached_property
-    def summary(self) -> dict[str, Any]:
-        """`summary.json`: versions, settings with their origin, what became of whom, whether it is complete."""
-        return json.loads((self.path / "summary.json").read_text(encoding="utf-8"))
-
-    @property
-    def complete(self) -> bool:
-        """Whether all came to their end."""
-        return bool(self.summary["complete"])
-
-
-class Result(_Stored):
-    """Results of one person.
+class Result:
+    """Results of a run, of one person or several.
 
     Everything is read from the folder when it is first looked at, and kept. Bands and draws say what the model
-    believes: given the model, a value lies in its 90 % band with 90 % probability.
+    believes: given the model, a value lies in its 90 % band with 90 % probability. Of several people every dataset has
+    a first dimension `person`, by their numbers in the order of coming; `result[2]` is the `Result` of person 2 alone.
 
     Parameters
     ----------
@@ -47,110 +30,143 @@ class Result(_Stored):
     """
 
     def __init__(self, path: str | Path) -> None:
-        super().__init__(path)
-        if not (self.path / "joints.csv").is_file():
-            partial = " (it holds several people; `sinew.People` reads it)" if _is_of_several(self.path) else ""
-            raise InputError(f"`{self.path}` holds no results of one person{partial}")
+        self.path = Path(path)
+        self.notes: list[str] = []
+        """What the run noted, in order."""
+        self._kept: tempfile.TemporaryDirectory[str] | None = None
+        self._read: dict[str, xr.Dataset] = {}
+        self._is_of_several = not _is_of_one(self.path)
+        if self._is_of_several and not (self.path / "people.csv").is_file():
+            raise InputError(f"`{self.path}` holds no results")
+
+    @cached_property
+    def summary(self) -> dict[str, Any]:
+        """`summary.json`: versions, settings with their origin, what became of whom, whether it is complete."""
+        summary: dict[str, Any] = json.loads((self.path / "summary.json").read_text(encoding="utf-8"))
+        return summary
+
+    @property
+    def complete(self) -> bool:
+        """Whether all came to their end."""
+        return bool(self.summary["complete"])
 
     @property
     def failed_diagnostics(self) -> list[str]:
         """Diagnostics that failed, in words; empty where the intervals are to be trusted."""
-        return list(self.summary["failed_diagnostics"])
+        if not self._is_of_several:
+            return [in_python(text) for text in self.summary["failed_diagnostics"]]
+        people = self.summary["people"]
+        return [f"person {of['person']}: {in_python(text)}" for of in people for text in of["failed_diagnostics"]]
 
     @cached_property
+    def people(self) -> dict[int, Result]:
+        """Results of each person by number, from 1 on; who could not be tracked is not there."""
+        if not self._is_of_several:
+            return {1: self}
+        folders = {of["person"]: self.path / of["folder"] for of in self.summary["people"]}
+        found = {number: Result(folder) for number, folder in folders.items() if _is_of_one(folder)}
+        for result in found.values():
+            result._kept = self._kept
+        return found
+
+    def __getitem__(self, person: int) -> Result:
+        """Results of one person."""
+        if person not in self.people:
+            raise KeyError(f"no results of person {person}; there are {list(self.people)}")
+        return self.people[person]
+
+    @property
     def posterior(self) -> xr.Dataset:
         """Draws over (chain, draw, frame, …): root and marker positions in metres, angles in radians."""
-        return _store.group(self.path / "posterior.zarr", "posterior")
+        return self._group("posterior")
 
-    @cached_property
+    @property
     def sample_stats(self) -> xr.Dataset:
         """Statistics of draws and frames, by ArviZ's names."""
-        return _store.group(self.path / "posterior.zarr", "sample_stats")
+        return self._group("sample_stats")
 
-    @cached_property
+    @property
     def joints(self) -> xr.Dataset:
         """Places of the joints over (frame, joint): mean, sd and 5 % and 95 % quantiles of x, y, z, metres."""
-        return _tables.by_frame(self.path / "joints.csv", "joint")
+        return self._dataset("joints", lambda path: _tables.by_frame(path / "joints.csv", "joint"))
 
-    @cached_property
+    @property
     def keypoints(self) -> xr.Dataset:
         """The body's points in space over (frame, keypoint), as `joints`."""
-        return _tables.by_frame(self.path / "keypoints.csv", "keypoint")
+        return self._dataset("keypoints", lambda path: _tables.by_frame(path / "keypoints.csv", "keypoint"))
 
-    @cached_property
+    @property
     def angles(self) -> xr.Dataset:
         """Angles over (frame, name): mean and 5 % and 95 % quantiles, degrees, by OpenSim's names or the ISB's."""
-        return _tables.by_frame(self.path / "angles.csv", "name")
+        return self._dataset("angles", lambda path: _tables.by_frame(path / "angles.csv", "name"))
 
-    @cached_property
+    @property
     def state(self) -> xr.Dataset:
         """Degrees of freedom over (frame, name), in the units that the table states."""
-        return _tables.by_frame(self.path / "state.csv", "name")
+        return self._dataset("state", lambda path: _tables.by_frame(path / "state.csv", "name"))
 
-    @cached_property
+    @property
     def frames(self) -> xr.Dataset:
         """What is known of each frame: effective number of draws, divergences, residual in pixels, and more."""
-        return _tables.per_frame(self.path / "frames.csv")
+        return self._dataset("frames", lambda path: _tables.per_frame(path / "frames.csv"))
 
     def to_datasets(self) -> dict[str, xr.Dataset]:
         """Every group of `posterior.zarr` by name."""
-        store = self.path / "posterior.zarr"
-        read = {"posterior": lambda: self.posterior, "sample_stats": lambda: self.sample_stats}
-        return {name: read[name]() if name in read else _store.group(store, name) for name in _store.groups(store)}
+        groups = [_store.groups(person.path / "posterior.zarr") for person in self.people.values()]
+        return {name: self._group(name) for name in (groups[0] if groups else [])}
 
     def to_arviz(self) -> Any:
         """`arviz.InferenceData` for ArviZ 0.x, `xarray.DataTree` for ArviZ 1.x, over the same arrays."""
         return _arviz.tree(self.to_datasets())
 
+    def plot(self, name: str) -> list[Any]:
+        """Plot a joint, keypoint (metres) or angle (degrees) over time: mean and 90 % band.
+
+        Needs Matplotlib (`python -m pip install matplotlib`, or the extra `plot` of this package).
+
+        Parameters
+        ----------
+        name
+            As `joints`, `keypoints` or `angles` have it.
+
+        Returns
+        -------
+        Axes of Matplotlib: one each for x, y and z, or one for an angle.
+        """
+        return _plot.plot(self, name)
+
+    def _group(self, name: str) -> xr.Dataset:
+        return self._dataset(f"posterior.zarr/{name}", lambda path: _store.group(path / "posterior.zarr", name))
+
+    def _dataset(self, name: str, read: Callable[[Path], xr.Dataset]) -> xr.Dataset:
+        """What `read` reads, of several people along `person`."""
+        if name not in self._read:
+            each = {number: person._dataset(name, read) for number, person in self.people.items() if person is not self}
+            self._read[name] = _stacked(each) if self._is_of_several else read(self.path)
+        return self._read[name]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Result, (self.path,), {"notes": self.notes}
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Result:
+        return self
+
     def __repr__(self) -> str:
         state = "complete" if self.complete else "incomplete"
-        return f"Result({str(self.path)!r}: {self.summary['frame_count']} frames, {state})"
+        held = f"{len(self.people)} people" if self._is_of_several else f"{self.summary['frame_count']} frames"
+        return f"Result({str(self.path)!r}: {held}, {state})"
 
 
-class People(_Stored):
-    """Results of several people, each of them a `Result`.
-
-    Parameters
-    ----------
-    path
-        A folder of results of several people.
-    """
-
-    def __init__(self, path: str | Path) -> None:
-        super().__init__(path)
-        if not _is_of_several(self.path):
-            raise InputError(f"`{self.path}` holds no results of several people")
-
-    @property
-    def failed_diagnostics(self) -> list[str]:
-        """Diagnostics that failed, in words, with the person of whom."""
-        people = self.summary["people"]
-        return [f"person {of['person']}: {text}" for of in people for text in of["failed_diagnostics"]]
-
-    @cached_property
-    def people(self) -> list[Result | None]:
-        """Everybody, in the order of coming; None who could not be tracked."""
-        return [self._one(of["folder"]) for of in self.summary["people"]]
-
-    def _one(self, folder: str) -> Result | None:
-        path = self.path / folder
-        if not (path / "joints.csv").is_file():
-            return None
-        result = Result(path)
-        result._kept = self._kept
-        return result
-
-    def __repr__(self) -> str:
-        return f"People({str(self.path)!r}: {len(self.summary['people'])} people)"
+def _stacked(people: dict[int, xr.Dataset]) -> xr.Dataset:
+    """Datasets of each person along `person`; frames that one of them lacks are NaN, or false."""
+    if not people:
+        raise InputError("nobody was tracked")
+    sets = list(people.values())
+    absent = {name: False for name, of in sets[0].data_vars.items() if of.dtype == bool}
+    number = xr.DataArray(list(people), dims="person", name="person")
+    how: dict[str, Any] = {"join": "outer", "compat": "no_conflicts", "coords": "minimal", "data_vars": "all"}
+    return xr.concat(sets, number, fill_value=absent, **how)
 
 
-def opened(path: Path) -> Result | People:
-    """The results in a folder."""
-    return People(path) if _is_of_several(path) else Result(path)
-
-
-def _is_of_several(path: Path) -> bool:
-    return (path / "people.csv").is_file()
-
-
-__all__ = ["People", "Result", "opened"]
+def _is_of_one(path: Path) -> bool:
+    return (path / "joints.csv").is_file()

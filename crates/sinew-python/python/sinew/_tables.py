@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 
-def columns(path: Path) -> dict[str, np.ndarray]:
+def columns(path: Path) -> dict[str, NDArray[Any]]:
     """Columns of a table: numbers where all cells are numbers or empty, else texts."""
     with path.open(newline="", encoding="utf-8") as file:
         rows = list(csv.reader(file))
     header, body = rows[0], rows[1:]
-    found: dict[str, np.ndarray] = {}
+    found: dict[str, NDArray[Any]] = {}
     for name, cells in zip(header, zip(*body, strict=True) if body else [()] * len(header), strict=True):
         try:
             found[name] = np.array([float(cell) if cell else np.nan for cell in cells])

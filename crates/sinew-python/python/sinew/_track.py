@@ -8,7 +8,7 @@ import tempfile
 import warnings as python_warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,8 +16,10 @@ from numpy.typing import ArrayLike
 from . import _sinew
 from ._errors import DiagnosticWarning, InputError, SinewWarning, UsageError
 from ._progress import Progress, chosen
-from ._result import People, Result, opened
+from ._result import Result
+from ._settings import Settings
 from ._sinew import Camera
+from ._words import in_python
 
 _log = logging.getLogger("sinew")
 
@@ -34,8 +36,8 @@ def track(
     page: bool = False,
     write_calibration: str | Path | None = None,
     progress: bool | Progress | None = None,
-    **settings: Any,
-) -> Result | People:
+    **settings: Unpack[Settings],
+) -> Result:
     """Track the people in a recording; what `sinew track` does, with the same bytes in the same files.
 
     Parameters
@@ -68,12 +70,12 @@ def track(
 
     Returns
     -------
-    A `Result`, or `People` where several people were tracked.
+    A `Result`, of one person as of several: `result.joints`, `result.people`, `result[2]`.
 
     Raises
     ------
     UsageError, InputError, FileError, SinewError
-        With the words of the program. Ctrl-C finishes the frame at hand, keeps what is done in `out`, and raises
+        As the program's errors. Ctrl-C finishes the frame at hand, keeps what is done in `out`, and raises
         KeyboardInterrupt; `resume=True` continues from there.
     """
     kept = tempfile.TemporaryDirectory(prefix="sinew-") if out is None else None
@@ -81,17 +83,19 @@ def track(
     if resume and kept is not None:
         raise UsageError("`resume` needs the folder `out` of the run that was stopped")
     given = None
+    all_settings: dict[str, Any] = dict(settings)
     if _is_array(keypoints) or _is_cameras(calibration):
         given = _given(calibration, keypoints, layout, first_frame)
         if write_calibration is not None:
             raise UsageError("`write_calibration` refines a calibration file; here cameras are given")
         layout = layout if isinstance(layout, (str, Path)) else None
     else:
-        settings |= {"calibration": calibration, "keypoints": keypoints}
-    typed = [(key, _typed(key, value)) for key, value in {**settings, "layout": layout}.items() if value is not None]
+        all_settings |= {"calibration": calibration, "keypoints": keypoints}
+    all_settings["layout"] = layout
+    typed = [(key, _typed(key, value)) for key, value in all_settings.items() if value is not None]
     typed.append(("out", str(folder)))
     heard = _Heard()
-    path, complete, failed = _sinew.track(
+    path, failed = _sinew.track(
         typed,
         given,
         None if config is None else Path(config),
@@ -103,11 +107,10 @@ def track(
     )
     if failed:
         text = "\n".join(["a diagnostic failed; do not trust the intervals there", *failed])
-        python_warnings.warn(text, DiagnosticWarning, stacklevel=2)
-    del complete
-    result = opened(path)
+        python_warnings.warn(in_python(text), DiagnosticWarning, stacklevel=2)
+    result = Result(path)
     result.notes = heard.notes
-    result._kept = kept  # pyright: ignore[reportPrivateUsage]
+    result._kept = kept
     return result
 
 
@@ -118,6 +121,7 @@ class _Heard:
         self.notes: list[str] = []
 
     def __call__(self, kind: str, text: str) -> None:
+        text = in_python(text)
         if kind == "warning":
             python_warnings.warn(text, SinewWarning, stacklevel=3)
         else:
@@ -127,7 +131,7 @@ class _Heard:
 
 def settings() -> dict[str, str]:
     """All settings of a run with their meaning, in the order of the reference."""
-    return dict(_sinew.setting_names())
+    return {key: meaning for key, meaning, _, _ in _sinew.settings_table()}
 
 
 def _is_array(keypoints: object) -> bool:

@@ -1,13 +1,12 @@
-//! Studies of many trials that cannot go on.
+//! What is said of studies of many trials that cannot go on: advice and exit codes.
 
-use crate::track;
 use sinew_batch::Error;
+use sinew_words::exit_codes::{FILES, INPUT, USAGE, run};
 
 /// What the user can do about an error of a study.
-#[must_use]
-pub fn help(error: &Error) -> Option<String> {
+pub(crate) fn help(error: &Error) -> Option<String> {
     let words = match error {
-        Error::Run(error) => return track::help(error),
+        Error::Run(error) => return sinew_words::help_with_run(error),
         Error::NoTrials(_) => {
             "give each trial a `sinew.toml` with `keypoints = \"pose\"`; what all share stands in one above them"
         }
@@ -24,4 +23,14 @@ pub fn help(error: &Error) -> Option<String> {
         }
     };
     Some(words.to_owned())
+}
+
+/// The code for an error of a study.
+pub(crate) const fn exit_code(error: &Error) -> u8 {
+    match error {
+        Error::Run(error) => run(error),
+        Error::UnlikeTrials { .. } | Error::NoTrials(_) | Error::NotPacked { .. } => INPUT,
+        Error::ShardInUse { .. } => FILES,
+        Error::NotAStudy(_) | Error::StudyFile { .. } => USAGE,
+    }
 }
