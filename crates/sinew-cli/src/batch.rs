@@ -7,6 +7,7 @@ use super::error::{Error, Written};
 use super::report::{self, Report};
 use super::table::aligned;
 use super::terminal::Terminal;
+use crate::study_words;
 use serde_json::json;
 use sinew::config::common::THREADS;
 use sinew::config::{Sources, resolve};
@@ -18,7 +19,6 @@ use sinew_batch::shard::Shard;
 use sinew_batch::trial_table::Gathered;
 use sinew_batch::{unpack, write_submit_files};
 use sinew_results::Occupied;
-use crate::study_words;
 use std::path::{Path, PathBuf};
 
 /// Runs the command.

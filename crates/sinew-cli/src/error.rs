@@ -1,7 +1,7 @@
 //! What ends a command early: a mistake in how it was called, or what the library refuses.
 
-use sinew::body::standard::EVALUATION_JOINTS;
 use crate::study_words;
+use sinew::body::standard::EVALUATION_JOINTS;
 use sinew_words::exit_codes::{FAILED, INPUT, USAGE, exit_code};
 
 /// Everything that ends a command early.
