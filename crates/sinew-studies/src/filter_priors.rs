@@ -7,7 +7,6 @@ use crate::support::outcome::Outcome;
 use crate::support::store::{Store, Task, rows, run_all};
 use crate::support::study_options::threads;
 use crate::support::table::{header, percent, row, with_spread};
-use plotters::prelude::*;
 use serde_json::json;
 use sinew::core::random::Stage;
 use sinew_tests::depth_flip::Arm;
