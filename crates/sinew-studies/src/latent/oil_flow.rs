@@ -57,7 +57,7 @@ pub fn run(root: &Path, args: &Args) -> Outcome<()> {
             writeln!(table, "{row}")?;
         }
     }
-    std::fs::create_dir_all(out)?;
+    std::fs::create_dir_all(&out)?;
     std::fs::write(out.join("table.md"), table)?;
     Ok(())
 }
