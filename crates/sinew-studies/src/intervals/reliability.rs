@@ -10,7 +10,6 @@ use crate::support::outcome::Outcome;
 use crate::support::statistics::{mean_and_error, verdict};
 use crate::support::store::Store;
 use crate::support::table::{header, row};
-use plotters::prelude::*;
 use sinew_analysis::validate::ObservationTally;
 use sinew_tests::evaluation::ranks;
 use std::ops::Range;
