@@ -2,7 +2,7 @@
 //!
 //! 1. Whole frames, however many, from where rays meet ([`sinew_observe::clocks::clock_search`]), in the first `SEARCHED` frames.
 //! 2. The recording is read with them, `WINDOWS` windows of it, evenly spread, and everybody is followed in each.
-//! 3. Fractions of a frame and drifts from their motion ([`sinew_observe::clocks::camera_lag`]). Where a whole frame is left, 2 and 3 are done again.
+//! 3. Fractions of a frame and drifts from their motion ([`sinew_observe::clocks::lag_estimate`]). Where a whole frame is left, 2 and 3 are done again.
 //!
 //! Two or three views of a person who walks straight ahead say little of whole lags: 2 and 3 are done from no lags at all, too, and what brings the cameras nearer together is taken.
 
@@ -17,8 +17,8 @@ use sinew::observe::Camera;
 use sinew::observe::association::following::{Following, follow};
 use sinew::observe::association::{self, Person};
 use sinew::observe::cameras::offsets::{self, Sighted};
-use sinew::observe::clocks::camera_lag::{CameraClock, CameraLag, LagSearch, camera_clocks};
 use sinew::observe::clocks::clock_search::whole_lags;
+use sinew::observe::clocks::lag_estimate::{CameraClock, CameraLag, LagSearch, camera_clocks};
 use sinew::setup::SetupError;
 use std::ops::Range;
 use std::path::Path;

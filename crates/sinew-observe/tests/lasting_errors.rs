@@ -5,9 +5,10 @@ use sinew_body::standard::h32;
 use sinew_body::{Plan, Proportions};
 use sinew_core::lanes::{Block, Isa, numbers, numbers_mut};
 use sinew_observe::cameras::camera_error::{NUMBERS, with_error};
+use sinew_observe::clocks::on_time::on_time;
 use sinew_observe::lasting::drawn_errors::DrawnErrors;
 use sinew_observe::lasting::lasting_errors::{
-    LastingErrors, linearised, linearised_detections, on_time, pixels_per_metre, pose_information, whitened_rows,
+    LastingErrors, linearised, linearised_detections, pixels_per_metre, pose_information, whitened_rows,
 };
 use sinew_observe::{Camera, Detection, KeypointModel, Mistakes, Noise, View};
 use std::sync::Arc;

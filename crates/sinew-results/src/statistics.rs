@@ -1,10 +1,10 @@
 //! Running sums over the frames of a run, for its summary.
 //!
-//! Read at its end from the diagnostics of its frames ([`super::journal`]).
+//! Read at its end from the diagnostics of its frames ([`super::journal`]). What is said of them stands in [`run_warnings`].
 
-use super::summary::{
-    AnglesSummary, CameraSummary, Diagnostics, Ending, Limits, R_HAT_NOTED, SCHEMA_VERSION, Spread, Summary,
-};
+mod run_warnings;
+
+use super::summary::{AnglesSummary, CameraSummary, Diagnostics, Ending, R_HAT_NOTED, SCHEMA_VERSION, Spread, Summary};
 use super::texts::Texts;
 use crate::estimate::{EstimateKind, FrameEstimate, RunInfo};
 use sinew_angles::AngleZero;
@@ -47,24 +47,8 @@ pub(crate) struct Statistics {
     particles: bool,
 }
 
-/// Share of frames in which tracking may restart without a warning.
-const RESTARTS_USUAL: f64 = 0.1;
-
-/// Frames that are listed.
-const FRAMES_LISTED: usize = 8;
-
 /// Spans without observation that are listed.
 const SPANS_LISTED: usize = 5;
-
-/// The first numbers of a list, and how many more there are.
-fn listed(frames: &[u32]) -> String {
-    let shown = &frames[..frames.len().min(FRAMES_LISTED)];
-    let listed = shown.iter().map(u32::to_string).collect::<Vec<_>>().join(", ");
-    match frames.len() - shown.len() {
-        0 => listed,
-        more => format!("{listed} and {more} more"),
-    }
-}
 
 impl Statistics {
     pub(crate) fn new(info: &RunInfo, texts: Texts) -> Self {
@@ -177,88 +161,6 @@ impl Statistics {
     fn above(&self, limit: f64) -> Vec<u32> {
         let high = self.r_hat.iter().zip(&self.r_hat_frames).filter(|(r_hat, _)| is_above(**r_hat, limit));
         high.map(|(_, &number)| number).collect()
-    }
-
-    fn failed(&self, limits: &Limits) -> Vec<String> {
-        let mut failed = Vec::new();
-        if self.frames > 0 && self.observed == 0 {
-            failed.push(format!("no camera saw the person in any of {} frames", self.frames));
-        }
-        let high = above(&self.r_hat, limits.r_hat);
-        if high as f64 > limits.r_hat_share * self.r_hat.len() as f64 {
-            failed.push(format!(
-                "split R-hat is above {} in {high} of {} frames ({}): the chains disagree, do not trust the intervals there; at most {} % may be",
-                limits.r_hat,
-                self.r_hat.len(),
-                listed(&self.above(limits.r_hat)),
-                100.0 * limits.r_hat_share
-            ));
-        }
-        if self.divergences as f64 > limits.divergent_share * self.trajectories as f64 {
-            failed.push(format!(
-                "{} of {} trajectories diverged (in frames {}): the intervals may be wrong there; at most {} % may",
-                self.divergences,
-                self.trajectories,
-                listed(&self.divergent_frames),
-                100.0 * limits.divergent_share
-            ));
-        }
-        if self.particles
-            && let Some([median]) = quantiles(&self.ess, [0.5])
-            && median < limits.ess
-        {
-            failed.push(format!("the median effective sample size is {median:.1}; at least {} is needed", limits.ess));
-        }
-        failed
-    }
-
-    fn warnings(&self, info: &RunInfo, has_masks: bool) -> Vec<String> {
-        let mut warnings = Vec::new();
-        for [first, last] in &self.unobserved {
-            let which = if first == last { format!("frame {first}") } else { format!("frames {first}-{last}") };
-            warnings.push(format!("{which}: no observation in any camera; estimates come from the motion model only"));
-        }
-        if self.unobserved_spans > SPANS_LISTED as u64 {
-            warnings.push(format!("{} more spans without observation", self.unobserved_spans - SPANS_LISTED as u64));
-        }
-        if self.restarted as f64 > RESTARTS_USUAL * self.frames as f64 {
-            let (restarted, frames) = (self.restarted, self.frames);
-            warnings.push(format!(
-                "tracking was restarted in {restarted} of {frames} frames: each of these starts from a fit of that frame alone (`restarted` in frames.csv)"
-            ));
-        }
-        if !self.energy_frames.is_empty() {
-            warnings.push(format!(
-                "E-BFMI is below {ENERGY_FRACTION_NEEDED} in {} of {} frames ({}): the chains may not reach the tails, the intervals there may be too narrow; try more updates",
-                self.energy_frames.len(),
-                self.energy_fraction.len(),
-                listed(&self.energy_frames)
-            ));
-        }
-        if !self.off_manifold_frames.is_empty() {
-            warnings.push(format!(
-                "more than half of the particles are where the latent model knows no pose in {} of {} frames ({}): the motion is not what the model was learned from, or the person is lost",
-                self.off_manifold_frames.len(),
-                self.off_manifold.len(),
-                listed(&self.off_manifold_frames)
-            ));
-        }
-        // Where masks are there and no camera has keypoints, masks are what was observed.
-        let are_masks = has_masks && self.residual_px.iter().all(Vec::is_empty);
-        for (camera, seen) in info.cameras.iter().zip(&self.residual_px).filter(|_| self.observed > 0) {
-            if seen.is_empty() && !are_masks {
-                warnings.push(format!("{}: the person was found in none of {} frames", camera.name, self.frames));
-            }
-        }
-        for (camera, residual) in info.cameras.iter().zip(self.residuals()) {
-            if let Some(residual) = residual.filter(|&residual| residual > 3.0 * info.sigma_px) {
-                let (name, sigma) = (&camera.name, info.sigma_px);
-                warnings.push(format!(
-                    "{name}: residual of {residual:.1} px, more than three times the noise of {sigma:.1} px"
-                ));
-            }
-        }
-        warnings
     }
 
     fn residuals(&self) -> Vec<Option<f64>> {

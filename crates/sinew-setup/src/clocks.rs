@@ -6,7 +6,7 @@ use sinew_formats::camera_name;
 use sinew_input::lag::ClockLag;
 use sinew_observe::Camera;
 use sinew_observe::cameras::offsets::{self, Sighted};
-use sinew_observe::clocks::camera_lag::{CameraLag, LagSearch, camera_clocks};
+use sinew_observe::clocks::lag_estimate::{CameraLag, LagSearch, camera_clocks};
 
 /// Frames below which no clock is judged: the errors of the estimate come from blocks of fifteen frames, and fewer than four blocks say little of them.
 const FEWEST: usize = 60;

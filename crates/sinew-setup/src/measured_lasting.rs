@@ -40,9 +40,10 @@ use sinew_dynamics::smoother::Smoother;
 use sinew_input::source::FrameSource;
 use sinew_observe::cameras::camera_error::{NUMBERS, PRINCIPAL_POINT, with_error};
 use sinew_observe::cameras::offsets::{self, CameraNoise, Sighted, robust_sigma};
+use sinew_observe::clocks::on_time::on_time;
 use sinew_observe::clocks::point_velocity::{REACH_S, body_velocities, share_of_motion, velocity_sd};
 use sinew_observe::lasting::lasting_errors::{
-    LastingErrors, LinearisedFrame, linearised, linearised_detections, on_time, pixels_per_metre,
+    LastingErrors, LinearisedFrame, linearised, linearised_detections, pixels_per_metre,
 };
 use sinew_observe::{Camera, Detection, KeypointFrame, KeypointModel, View};
 use std::ops::Range;

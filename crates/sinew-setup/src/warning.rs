@@ -3,7 +3,7 @@
 use sinew_input::flag::{flag, flag_with};
 use sinew_input::lag::ClockLag;
 use sinew_input::up_axis::Z_UP;
-use sinew_observe::clocks::camera_lag::CameraLag;
+use sinew_observe::clocks::lag_estimate::CameraLag;
 use std::fmt;
 
 /// An oddity of a recording or its calibration.

@@ -11,6 +11,7 @@ pub mod file;
 pub mod idle;
 pub mod resolved;
 pub mod setting;
+mod setting_warnings;
 pub mod settings;
 pub mod table;
 pub mod track;

@@ -6,7 +6,7 @@ use sinew::input::roll::Roll;
 use sinew::input::source::FrameSource;
 use sinew::observe::association::{Config, Person};
 use sinew::observe::cameras::offsets::{self, Sighted};
-use sinew::observe::clocks::camera_lag::{LagSearch, camera_clocks};
+use sinew::observe::clocks::lag_estimate::{LagSearch, camera_clocks};
 use sinew::observe::{Camera, Detection};
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::crowd::{Crowd, CrowdNoise, CrowdRecording, FoundPeople};

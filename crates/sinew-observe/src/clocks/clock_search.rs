@@ -2,7 +2,7 @@
 //!
 //! Rays to the same keypoint meet where two cameras show the same moment. For each pair of cameras and each lag between them, the cost is the mean distance of the rays of all keypoints, cut off at `FARTHEST_M`, of everybody in a frame to whom fits best in the other view.
 //! The lags of all cameras together have the least sum of the pairs' costs, found camera by camera from each camera as the one that is right; between lags that cost the same, the smaller one is taken, and none at all where lags do not lower the sum of costs to `WORTH` of it: cameras that are not quite where their calibration says have costs of their own.
-//! It is a search: [`crate::clocks::camera_lag`] says what fractions of a frame are left, and how sure that is.
+//! It is a search: [`crate::clocks::lag_estimate`] says what fractions of a frame are left, and how sure that is.
 
 use crate::association::{Config, Person, usable};
 use crate::cameras::camera::Camera;

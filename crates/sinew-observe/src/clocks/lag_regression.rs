@@ -1,4 +1,4 @@
-//! The linear model of [`crate::clocks::camera_lag`]: what keypoints in several cameras say of lags and drifts.
+//! The linear model of [`crate::clocks::lag_estimate`]: what keypoints in several cameras say of lags and drifts.
 //!
 //! A *sight* is a keypoint in a frame with what all cameras show of it. Its place in space and, for each of its cameras, an offset that lasts four seconds (`BLOCK_S`) and changes evenly within them are nuisance: all are eliminated (Schur complements), so that only what swings within them counts. Offsets change evenly where somebody walks past a camera that is not quite where its calibration says.
 //!

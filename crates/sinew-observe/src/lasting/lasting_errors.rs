@@ -291,26 +291,6 @@ pub fn by_lag(detection: &LinearisedDetection, velocities: &[[f64; 3]]) -> [f64;
     detection.by.by_point.map(|row| -row.iter().zip(velocity).map(|(by, v)| by * v).sum::<f64>())
 }
 
-/// Detections as a camera would have made them that is not late: moved by how far each point, predicted at `at` and moving with its velocity, went since.
-#[must_use]
-pub fn on_time(
-    camera: &Camera,
-    detections: &[Option<Detection>],
-    at: &[f64],
-    velocities: &[[f64; 3]],
-    lag_s: f64,
-) -> Vec<Option<Detection>> {
-    let points = at.as_chunks::<3>().0.iter().zip(velocities);
-    let shown = |(detection, (at, velocity)): (&Option<Detection>, (&[f64; 3], &[f64; 3]))| {
-        let seen = (*detection)?;
-        let before = [0, 1, 2].map(|k: usize| at[k] - lag_s * velocity[k]);
-        let moved = camera.project(*at).pixel().zip(camera.project(before).pixel());
-        let [du, dv] = moved.map_or([0.0; 2], |(now, before)| [now[0] - before[0], now[1] - before[1]]);
-        Some(Detection { pixel: [seen.pixel[0] + du, seen.pixel[1] + dv], ..seen })
-    };
-    detections.iter().zip(points).map(shown).collect()
-}
-
 /// The normal equations of a frame, from [`linearised_detections`]. `scales` are the [`pixels_per_metre`] of its cameras; points move with `velocities`, metres a second.
 #[must_use]
 pub fn linearised(

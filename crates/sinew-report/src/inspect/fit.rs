@@ -18,7 +18,7 @@ use sinew::setup::SetupError;
 use sinew::setup::{self, SetupRequest, clocks, collect};
 use sinew_observe::cameras::offsets::{self, Sighted};
 use sinew_observe::cameras::triangulate::{Seen, linear};
-use sinew_observe::clocks::camera_lag::CameraLag;
+use sinew_observe::clocks::lag_estimate::CameraLag;
 use sinew_observe::{Camera, Detection, association};
 
 /// Frames looked at.

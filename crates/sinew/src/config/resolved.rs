@@ -4,15 +4,14 @@ use super::common::{
     INIT, KEYPOINTS, LAG_FRAMES, LATENT, MOTION_MODEL, OUT, PERSON, SETUP, SILHOUETTES, SMOOTH, STATIC, SUBJECT,
 };
 use super::file;
-use super::idle::idle_beside;
 use super::setting::{AnySetting as _, Origin, Setting, SettingType, SettingValues, Typed, Value};
 use super::table::{self, METHOD, is_local};
 use super::value::{from_text, to_json, to_toml};
 use crate::Error;
-use crate::methods::{About, LatentUse, METHODS};
+use crate::methods::{About, LatentUse};
 use sinew_formats::nearest::nearest;
 use sinew_input::Problems;
-use sinew_input::flag::{flag, typed};
+use sinew_input::flag::typed;
 use sinew_input::recording::given::GivenRecording;
 use sinew_input::recording::read_frames::ReadFrames;
 use sinew_setup::KnownSetup;
@@ -182,14 +181,6 @@ impl Resolved {
         };
         let problem = (self.method().mistake)(&self.values).or(clash);
         refuse("the configuration", problem.into_iter().collect())
-    }
-
-    /// Warnings about flags that change nothing beside the other settings.
-    #[must_use]
-    pub fn idle_flags(&self) -> Vec<String> {
-        let given = self.values.by_key.iter().filter(|(_, (_, origin))| *origin == Origin::Flag);
-        let idle = |key: &str| idle_beside(key, self.method(), &METHODS, &self.values);
-        given.filter_map(|(key, _)| Some(format!("{} changes nothing with {}", flag(key), idle(key)?))).collect()
     }
 
     fn add(&mut self, file: file::ConfigFile) {

@@ -3,7 +3,6 @@
 use super::common::*;
 use super::resolved::Resolved;
 use crate::Error;
-use crate::input::flag::flag;
 use crate::methods::About;
 use sinew_input::footage::{Footage, FootageFiles, Init};
 use sinew_input::recording::RecordingOptions;
@@ -138,12 +137,5 @@ impl TrackConfig {
     #[must_use]
     pub fn fps(&self) -> f64 {
         self.fps.unwrap_or(ASSUMED_FPS)
-    }
-
-    /// That the frame rate is assumed, where nobody gave one.
-    #[must_use]
-    pub fn assumed_rate(&self) -> Option<String> {
-        let is_assumed = self.fps.is_none();
-        is_assumed.then(|| format!("no frame rate given; {ASSUMED_FPS} frames per second assumed ({})", flag(FPS.key)))
     }
 }

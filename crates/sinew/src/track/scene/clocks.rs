@@ -1,8 +1,8 @@
 //! Cameras that are late: what they show is put on time.
 
 use crate::setup::Setup;
+use sinew_observe::clocks::on_time::on_time;
 use sinew_observe::clocks::point_velocity::RunningVelocities;
-use sinew_observe::lasting::lasting_errors::on_time;
 use sinew_observe::{Camera, Detection, View};
 use sinew_results::problem::{Problem, check_length};
 
