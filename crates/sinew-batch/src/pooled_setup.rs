@@ -234,7 +234,7 @@ fn made(
     made_from(study, pool, &whole, cameras, listener)
 }
 
-fn recording(study: &Shared<'_>, task: &Task) -> Result<Footage, Error> {
+fn recording(study: &Shared<'_>, task: &Task) -> Result<Footage<'static>, Error> {
     let config = task.as_trial().settings(study.root, &[])?.track();
     Ok(config.footage(&sinew::run::calibration(&config)?)?)
 }

@@ -23,6 +23,8 @@
 
 use crate::{Error, Layout, Place, Warning, json_text};
 use serde::Deserialize;
+use sinew_observe::Detection;
+use sinew_observe::association::Person;
 
 /// Absent people that are written before one who is there.
 const MAX_PEOPLE: usize = 1000;
@@ -62,6 +64,21 @@ pub struct OpenposePerson {
     pub index: usize,
     /// Keypoints in the order of the layout; `None` is missing.
     pub keypoints: Vec<Option<Keypoint>>,
+}
+
+impl OpenposePerson {
+    /// The keypoints in the form that association and likelihoods take.
+    #[must_use]
+    pub fn detections(&self) -> Person {
+        let detection = |k: Keypoint| Detection::new([k.x, k.y], k.confidence);
+        self.keypoints.iter().map(|k| k.map(detection)).collect()
+    }
+}
+
+/// The people of a frame, camera by camera, in that form.
+#[must_use]
+pub fn detections(people: &[Vec<OpenposePerson>]) -> Vec<Vec<Person>> {
+    people.iter().map(|people| people.iter().map(OpenposePerson::detections).collect()).collect()
 }
 
 /// Everyone seen by one camera in one frame.

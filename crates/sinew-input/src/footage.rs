@@ -4,9 +4,12 @@
 //!
 //! Keypoints may serve for the set-up alone ([`Init::Keypoints`]); without keypoints, points in space over time may, as another system or an earlier run has left them ([`Init::Points`]): they are seen by the calibrated cameras, as a
 //! detector without errors would see them. Row k of such a file belongs to frame k, counted from the first frame that is tracked.
+//!
+//! Where one of several people was chosen, they alone are shown, from the first frame that a camera saw them in to the last.
 
 use super::frame::{Frame, FrameImages};
 use super::input_error::InputError;
+use super::roll::Roll;
 use super::source::{FrameSource, InputHashes};
 use crate::pictures::{self, Pictures};
 use crate::recording::given::GivenRecording;
@@ -59,8 +62,8 @@ pub struct FootageFiles<'a> {
     pub needs_gradients: Option<&'static str>,
 }
 
-/// A recording of keypoints, masks and images.
-pub struct Footage {
+/// A recording of keypoints, masks and images, of one of its people or of everybody.
+pub struct Footage<'a> {
     cameras: Vec<Camera>,
     layout: Layout,
     frames: Range<u64>,
@@ -73,12 +76,14 @@ pub struct Footage {
     begins_only: bool,
     warnings: Vec<String>,
     calibration_hash: u64,
+    /// Who is who, and which of the roll's people is shown; everybody if `None`.
+    chosen: Option<(&'a Roll, usize)>,
 }
 
 /// Layout of someone of whom no keypoints are read.
 const USUAL_LAYOUT: &str = "BODY_25B";
 
-impl Footage {
+impl<'a> Footage<'a> {
     /// Opens what the settings name: at least keypoints or masks.
     ///
     /// # Errors
@@ -145,6 +150,7 @@ impl Footage {
             begins_only: false,
             warnings: vec![],
             calibration_hash: 0,
+            chosen: None,
         }
     }
 
@@ -166,6 +172,7 @@ impl Footage {
             begins_only: false,
             warnings,
             calibration_hash: hash,
+            chosen: None,
         })
     }
 
@@ -188,6 +195,12 @@ impl Footage {
         self.points = Some(Points { rows: (0..file.frames.len()).map(row).collect() });
         (self.layout, self.keypoints) = (layout, None);
         Ok(())
+    }
+
+    /// The same recording, of which one of its people is shown if one is `chosen`.
+    #[must_use]
+    pub fn showing(self, chosen: Option<(&'a Roll, usize)>) -> Self {
+        Self { chosen, ..self }
     }
 
     /// Frames from which a set-up may take others than those to be tracked.
@@ -220,9 +233,26 @@ impl Footage {
         };
         self.cameras.iter().map(seen).collect()
     }
+
+    /// For each camera everybody whom it saw in a frame.
+    fn everybody(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+        match (&self.points, &mut self.keypoints) {
+            (Some(points), _) => Ok(self.projected(points, number)),
+            (None, Some(recording)) => recording.people(number),
+            (None, None) => Ok(vec![vec![]; self.cameras.len()]),
+        }
+    }
+
+    /// Those of a frame who are shown, and those who are known to be someone else.
+    fn parted(&self, number: u64, people: Vec<Vec<Person>>) -> [Vec<Vec<Person>>; 2] {
+        match self.chosen {
+            Some((roll, person)) => roll.parted(number, person, people),
+            None => [people, vec![]],
+        }
+    }
 }
 
-impl FrameSource for Footage {
+impl FrameSource for Footage<'_> {
     fn cameras(&self) -> &[Camera] {
         &self.cameras
     }
@@ -232,15 +262,26 @@ impl FrameSource for Footage {
     }
 
     fn frames(&self) -> Range<u64> {
-        self.frames.clone()
+        self.chosen.map_or_else(|| self.frames.clone(), |(roll, person)| roll.people[person].frames.clone())
     }
 
     fn people(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
-        match (&self.points, &mut self.keypoints) {
-            (Some(points), _) => Ok(self.projected(points, number)),
-            (None, Some(recording)) => recording.people(number),
-            (None, None) => Ok(vec![vec![]; self.cameras.len()]),
+        let people = self.everybody(number)?;
+        let [own, _] = self.parted(number, people);
+        Ok(own)
+    }
+
+    fn others(&mut self, number: u64) -> Result<Vec<Vec<Person>>, Error> {
+        if self.chosen.is_none() {
+            return Ok(vec![]);
         }
+        let people = self.everybody(number)?;
+        let [_, others] = self.parted(number, people);
+        Ok(others)
+    }
+
+    fn shows_one(&self) -> bool {
+        self.chosen.is_some()
     }
 
     fn warnings(&self) -> Vec<String> {
@@ -279,9 +320,10 @@ impl FrameSource for Footage {
     fn frame(&mut self, number: u64) -> Result<Frame, Error> {
         let people = match self.begins_only {
             true => vec![vec![]; self.cameras.len()],
-            false => self.people(number)?,
+            false => self.everybody(number)?,
         };
         let images = FrameImages { silhouettes: self.masks(number)?, pictures: self.pictures(number)? };
-        Ok(Frame { people, images, ..Frame::default() })
+        let [people, others] = self.parted(number, people);
+        Ok(Frame { people, others, images })
     }
 }

@@ -1,17 +1,16 @@
 //! What cameras show of one frame.
 
-use sinew_formats::openpose::{Keypoint, OpenposePerson};
-use sinew_observe::association::Person as Pixels;
+use sinew_observe::RgbImage;
+use sinew_observe::association::Person;
 use sinew_observe::silhouettes::bit_image::BitImage;
-use sinew_observe::{Detection, RgbImage};
 
 /// A frame as it is read: once, and whole.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
     /// For each camera the people that it saw; where it is known who is who, the tracked one alone.
-    pub people: Vec<Vec<Pixels>>,
+    pub people: Vec<Vec<Person>>,
     /// For each camera everybody who is known to be someone else; empty where nobody is known.
-    pub others: Vec<Vec<Pixels>>,
+    pub others: Vec<Vec<Person>>,
     /// Masks and pictures.
     pub images: FrameImages,
 }
@@ -23,17 +22,4 @@ pub struct FrameImages {
     pub silhouettes: Vec<Option<BitImage>>,
     /// Pictures.
     pub pictures: Vec<Option<RgbImage>>,
-}
-
-/// A frame's people, camera by camera, as the keypoint reader gives them, in the form that association takes.
-#[must_use]
-pub fn detections(people: &[Vec<OpenposePerson>]) -> Vec<Vec<Pixels>> {
-    people.iter().map(|people| people.iter().map(detected).collect()).collect()
-}
-
-/// A person as the keypoint reader gives them, in the form that association takes.
-#[must_use]
-pub fn detected(person: &OpenposePerson) -> Pixels {
-    let detection = |k: Keypoint| Detection::new([k.x, k.y], k.confidence);
-    person.keypoints.iter().map(|k| k.map(detection)).collect()
 }

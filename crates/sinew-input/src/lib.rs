@@ -19,7 +19,6 @@ pub mod limbs;
 pub mod live;
 pub mod missing_path;
 pub mod one_after_another;
-pub mod one_person;
 pub mod pictures;
 mod problems;
 pub mod recording;

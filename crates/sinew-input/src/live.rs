@@ -5,13 +5,12 @@
 //! A line is read by [`LiveCameras`], on any thread; its views go to a [`LiveRecording`], which keeps those for the set-up until they are forgotten and else one frame only.
 //! A frame of which nothing was taken is one that no camera saw.
 
-use super::frame::detections;
 use super::recording::guess;
 use super::recording::{Calibrated, RecordingOptions, check_layout, chosen_cameras, drop_beyond_lens, known_layout};
 use super::source::{FrameSource, InputHashes};
 use crate::Error;
 use sinew_formats::live_frame;
-use sinew_formats::openpose::{OpenposeFrame, OpenposeOptions, OpenposePerson, Tally};
+use sinew_formats::openpose::{OpenposeFrame, OpenposeOptions, OpenposePerson, Tally, detections};
 use sinew_formats::{Error as FormatError, Layout, Place, camera_name};
 use sinew_observe::Camera;
 use sinew_observe::association::Person;

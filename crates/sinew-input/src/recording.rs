@@ -24,7 +24,6 @@ pub use frame_ranges::{check_lags, lag_of, ranges};
 pub use known_layout::{check_layout, lacking};
 pub use options::RecordingOptions;
 
-use crate::frame::{detected, detections};
 use crate::lag::ClockLag;
 use crate::{Error, files};
 use given::GivenRecording;
@@ -33,7 +32,7 @@ use keypoint_sources::KeypointSource;
 use known_layout::named_layout;
 use read_frames::ReadFrames;
 use recent_frames::RecentFrames;
-use sinew_formats::openpose::{OpenposeOptions, OpenposePerson, Tally};
+use sinew_formats::openpose::{OpenposeOptions, OpenposePerson, Tally, detections};
 use sinew_formats::{Layout, camera_name, frame_number};
 use sinew_observe::Camera;
 use sinew_observe::association::Person;
@@ -198,7 +197,7 @@ impl Recording {
                     .map(|(frame, _)| frame.people)
                     .unwrap_or_default();
                 drop_beyond_lens(&cameras[index], &mut people);
-                Ok(people.iter().map(detected).collect())
+                Ok(people.iter().map(OpenposePerson::detections).collect())
             };
             people[index] = recent.people_at(lag.own_time(number), read)?;
         }

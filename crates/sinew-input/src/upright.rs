@@ -108,7 +108,7 @@ impl<'a, S: FrameSource> Upright<'a, S> {
         Ok(())
     }
 
-    /// The source itself, to be moved on.
+    /// The source itself, to be tracked or moved on.
     pub fn source_mut(&mut self) -> &mut S {
         self.source
     }

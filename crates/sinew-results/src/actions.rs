@@ -8,8 +8,7 @@
 
 use super::claim::Claim;
 use super::partial::{FilePlace, PartialFile};
-use super::table::{Table, integer};
-use super::tables::PERSON;
+use super::tables::{PERSON, integer};
 use crate::Error;
 use crate::estimate::{ActionShare, FrameEstimate, RunInfo};
 use sinew_formats::tidy_csv::Cell;
@@ -17,7 +16,7 @@ use sinew_formats::tidy_csv::Cell;
 const NAME: &str = "actions.csv";
 
 pub(crate) struct Actions {
-    table: Option<Table>,
+    table: Option<PartialFile>,
     parts: Vec<String>,
 }
 
@@ -25,7 +24,7 @@ impl Actions {
     pub(crate) fn open(place: &FilePlace<'_>, info: &RunInfo) -> Result<Self, Error> {
         let columns = ["frame", "time_s", "person", "part", "cluster", "model", "share"];
         let parts = info.acting_parts.clone();
-        let table = (!parts.is_empty()).then(|| Table::open(place, NAME, &columns)).transpose()?;
+        let table = (!parts.is_empty()).then(|| place.table(NAME, &columns)).transpose()?;
         Ok(Self { table, parts })
     }
 
@@ -36,14 +35,14 @@ impl Actions {
             let cluster = cluster.map_or(Cell::Empty, |cluster| integer(cluster as u64));
             let (time, model) = (Cell::Number(estimate.time_s), Cell::Text(model.name()));
             let frame = integer(estimate.number);
-            table.append(&[frame, time, PERSON, Cell::Text(part), cluster, model, Cell::Number(*share)])?;
+            table.row(&[frame, time, PERSON, Cell::Text(part), cluster, model, Cell::Number(*share)])?;
         }
         Ok(())
     }
 
     /// The file, if the run has one.
     pub(crate) fn file(&mut self) -> Option<&mut PartialFile> {
-        self.table.as_mut().map(|table| &mut table.file)
+        self.table.as_mut()
     }
 
     /// The file, if the run has one; else what an earlier run of another method left is removed.
@@ -52,6 +51,6 @@ impl Actions {
             claim.remove(NAME)?;
             claim.remove(&format!("{NAME}.partial"))?;
         }
-        Ok(self.table.map(|table| table.file))
+        Ok(self.table)
     }
 }

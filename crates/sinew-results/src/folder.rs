@@ -137,12 +137,12 @@ impl ResultFolder {
     pub fn keep(&mut self) -> Result<Written, Error> {
         let files = [
             &mut self.markers.trc,
-            &mut self.markers.sd.file,
-            &mut self.tables.joints.file,
-            &mut self.tables.keypoints.file,
-            &mut self.tables.angles.file,
-            &mut self.tables.state.file,
-            &mut self.tables.frames.file,
+            &mut self.markers.sd,
+            &mut self.tables.joints,
+            &mut self.tables.keypoints,
+            &mut self.tables.angles,
+            &mut self.tables.state,
+            &mut self.tables.frames,
             &mut self.coordinates.file,
             &mut self.skeleton.file,
             &mut self.journal.file,

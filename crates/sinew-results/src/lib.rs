@@ -32,7 +32,6 @@ mod skeleton;
 mod statistics;
 mod stored_file;
 mod summary;
-mod table;
 mod tables;
 mod texts;
 mod without_summary;

@@ -4,7 +4,7 @@
 //! within the run, without the shift that all markers share, is the root mean square over its axes, metres: one weight for inverse kinematics.
 
 use super::partial::{FilePlace, PartialFile};
-use super::table::{Table, integer};
+use super::tables::integer;
 use crate::Error;
 use crate::estimate::{FrameEstimate, RunInfo};
 use sinew_body::KinematicTree;
@@ -51,7 +51,7 @@ pub(crate) struct Markers {
     order: Vec<usize>,
     header: trc::Header,
     pub(crate) trc: PartialFile,
-    pub(crate) sd: Table,
+    pub(crate) sd: PartialFile,
 }
 
 impl Markers {
@@ -63,7 +63,7 @@ impl Markers {
         let trc = place.file("markers.trc", |out| trc::write_header(out, &header, 0))?;
         let columns =
             ["frame".into(), "time_s".into()].into_iter().chain(names.iter().map(|name| format!("{name}_sd_m")));
-        let sd = Table::open(place, "markers_sd.csv", &columns.collect::<Vec<String>>())?;
+        let sd = place.table("markers_sd.csv", &columns.collect::<Vec<String>>())?;
         Ok(Self { order, header, trc, sd })
     }
 
@@ -78,12 +78,12 @@ impl Markers {
         };
         let mut cells = vec![integer(estimate.number), Cell::Number(estimate.time_s)];
         cells.extend(self.order.iter().map(deviation));
-        self.sd.append(&cells)
+        self.sd.row(&cells)
     }
 
     pub(crate) fn finish(mut self, frames: u64) -> Result<[PartialFile; 2], Error> {
         let frames = u32::try_from(frames).unwrap_or(u32::MAX);
         self.trc.rewrite_start(|out| trc::write_header(out, &self.header, frames))?;
-        Ok([self.trc, self.sd.file])
+        Ok([self.trc, self.sd])
     }
 }

@@ -9,6 +9,7 @@ use crate::Error;
 use crate::problem::Problem;
 use crate::storage::{Storage, StoredFile};
 use serde::{Deserialize, Serialize};
+use sinew_formats::tidy_csv::{Cell, write_header, write_row};
 use std::collections::BTreeMap;
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
@@ -58,6 +59,11 @@ impl FilePlace<'_> {
                 PartialFile::resume(self.storage, path, at, &first)
             }
         }
+    }
+
+    /// A comma-separated table that begins with its columns.
+    pub(crate) fn table(&self, name: &str, columns: &[impl AsRef<str>]) -> Result<PartialFile, Error> {
+        self.file(name, |out| write_header(out, columns))
     }
 }
 
@@ -137,6 +143,11 @@ impl PartialFile {
     /// Appends what the closure writes.
     pub fn write(&mut self, write: impl FnOnce(&mut BufWriter<Counted>) -> io::Result<()>) -> Result<(), Error> {
         write(&mut self.out).map_err(Error::io("write", &self.partial))
+    }
+
+    /// Appends a row of a table.
+    pub(crate) fn row(&mut self, cells: &[Cell<'_>]) -> Result<(), Error> {
+        self.write(|out| write_row(out, cells))
     }
 
     /// Writes over the start of the file; nothing is appended any more.

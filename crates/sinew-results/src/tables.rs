@@ -11,7 +11,6 @@
 //! `quality` is 2 where at least two cameras saw the person, 1 for one camera, 0 where the values come from the motion model only.
 
 use super::partial::{FilePlace, PartialFile};
-use super::table::{Table, integer, optional};
 use crate::Error;
 use crate::estimate::{FrameEstimate, PointMarginal, RunInfo, StateMarginal};
 use sinew_body::Joint;
@@ -21,11 +20,11 @@ use sinew_formats::tidy_csv::Cell;
 pub(crate) const PERSON: Cell<'_> = Cell::Integer(0);
 
 pub(crate) struct Tables {
-    pub(crate) joints: Table,
-    pub(crate) keypoints: Table,
-    pub(crate) angles: Table,
-    pub(crate) state: Table,
-    pub(crate) frames: Table,
+    pub(crate) joints: PartialFile,
+    pub(crate) keypoints: PartialFile,
+    pub(crate) angles: PartialFile,
+    pub(crate) state: PartialFile,
+    pub(crate) frames: PartialFile,
     point_names: Vec<String>,
     keypoint_names: Vec<String>,
     angle_names: Vec<String>,
@@ -80,11 +79,11 @@ impl Tables {
         let unit = |joint: Joint| if matches!(joint, Joint::Rotate(_)) { "deg" } else { "m" };
         let state_names = info.body.dof_names().into_iter().zip(info.body.joints().map(|(_, joint)| unit(joint)));
         Ok(Self {
-            joints: Table::open(place, "joints.csv", &point_columns("joint"))?,
-            keypoints: Table::open(place, "keypoints.csv", &point_columns("keypoint"))?,
-            angles: Table::open(place, "angles.csv", &ANGLES.split(' ').collect::<Vec<_>>())?,
-            state: Table::open(place, "state.csv", &STATE.split(' ').collect::<Vec<_>>())?,
-            frames: Table::open(place, "frames.csv", &frame_columns)?,
+            joints: place.table("joints.csv", &point_columns("joint"))?,
+            keypoints: place.table("keypoints.csv", &point_columns("keypoint"))?,
+            angles: place.table("angles.csv", &ANGLES.split(' ').collect::<Vec<_>>())?,
+            state: place.table("state.csv", &STATE.split(' ').collect::<Vec<_>>())?,
+            frames: place.table("frames.csv", &frame_columns)?,
             point_names: info.body.points().iter().map(|point| point.name.clone()).collect(),
             keypoint_names: info.keypoints.clone(),
             angle_names: info.angles.names().to_vec(),
@@ -96,13 +95,13 @@ impl Tables {
     pub(crate) fn append(&mut self, estimate: &FrameEstimate, seen: &[Option<bool>]) -> Result<(), Error> {
         let time = Cell::Number(estimate.time_s);
         let flags = [integer(estimate.observed.into()), integer(estimate.quality as u64)];
-        let rows = |table: &mut Table, names: &[String], points: &[PointMarginal]| {
+        let rows = |table: &mut PartialFile, names: &[String], points: &[PointMarginal]| {
             names.iter().zip(points).try_for_each(|(name, point)| {
                 let mut cells = vec![integer(estimate.number), time, PERSON, Cell::Text(name)];
                 let numbers = [point.mean, point.sd, point.q05, point.q95, point.sd_within];
                 cells.extend(numbers.as_flattened().iter().copied().map(Cell::Number));
                 cells.extend(flags);
-                table.append(&cells)
+                table.row(&cells)
             })
         };
         rows(&mut self.joints, &self.point_names, &estimate.points)?;
@@ -113,14 +112,14 @@ impl Tables {
             let rate = angle.rate.map(|rate| rate.map(f64::to_degrees));
             cells.extend([0, 1, 2].map(|k: usize| optional(rate.map(|rate| rate[k]))));
             cells.push(seen.map_or(Cell::Empty, |seen| integer(seen.into())));
-            self.angles.append(&cells)?;
+            self.angles.row(&cells)?;
         }
         for (dof, (name, unit)) in self.state_names.iter().enumerate() {
             let StateMarginal { q05, q95, .. } = estimate.state[dof];
             let shown = |value: f64| Cell::Number(if *unit == "deg" { value.to_degrees() } else { value });
             let [mean, q05, q95] = [estimate.mean_state[dof], q05, q95].map(shown);
             let (number, name, unit) = (integer(estimate.number), Cell::Text(name), Cell::Text(unit));
-            self.state.append(&[number, time, PERSON, name, unit, mean, q05, q95])?;
+            self.state.row(&[number, time, PERSON, name, unit, mean, q05, q95])?;
         }
         let mut cells = vec![integer(estimate.number), time, flags[0], flags[1], integer(estimate.restarted.into())];
         cells.push(optional(Some(estimate.ess)));
@@ -128,12 +127,22 @@ impl Tables {
         cells.extend([log_evidence, r_hat, energy_fraction, acceptance, off_manifold].map(optional));
         cells.extend([integer(estimate.divergences), optional(rms(&estimate.residual_px))]);
         cells.extend(estimate.residual_px.iter().copied().map(optional));
-        self.frames.append(&cells)
+        self.frames.row(&cells)
     }
 
     pub(crate) fn finish(self) -> [PartialFile; 5] {
-        [self.joints.file, self.keypoints.file, self.angles.file, self.state.file, self.frames.file]
+        [self.joints, self.keypoints, self.angles, self.state, self.frames]
     }
+}
+
+/// A count.
+pub(crate) fn integer(value: u64) -> Cell<'static> {
+    Cell::Integer(i64::try_from(value).unwrap_or(i64::MAX))
+}
+
+/// A diagnostic, or nothing where a method does not have it; an infinite one (R-hat of chains that never moved) becomes NaN.
+fn optional(value: Option<f64>) -> Cell<'static> {
+    value.map_or(Cell::Empty, |value| Cell::Number(if value.is_finite() { value } else { f64::NAN }))
 }
 
 /// Root mean square over the cameras that saw the person.

@@ -39,7 +39,6 @@ pub use request::{CameTo, Request};
 
 use crate::Error;
 use crate::config::Resolved;
-use crate::input::one_person::OnePerson;
 use crate::track::job;
 use listener::Listener;
 use pieces::opened;
@@ -82,5 +81,5 @@ pub fn track(resolved: &Resolved, request: &Request, listener: &dyn Listener) ->
         Whom::MostComplete => None,
     };
     let (mut recording, frames) = opened(&config, &calibration, chosen)?;
-    one_person::track(run, &mut OnePerson { source: &mut recording, chosen }, frames, claim)
+    one_person::track(run, &mut recording, frames, claim)
 }

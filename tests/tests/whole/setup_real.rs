@@ -1,7 +1,7 @@
 //! The set-up pass on a real recording of four cameras. Skipped where the shared data are missing.
 
+use sinew::formats::openpose::detections;
 use sinew::formats::trc::{self, Trc};
-use sinew::input::frame::detections;
 use sinew::input::recording::{Recording, RecordingOptions};
 use sinew::observe::association;
 use sinew::observe::association::following::{Following, follow};

@@ -152,7 +152,7 @@ fn config(data: &Path, row: &Row) -> Outcome<TrackConfig> {
     Ok(TrackConfig { init: (!row.keypoints).then_some(Init::Keypoints), ..config })
 }
 
-fn footage(config: &TrackConfig) -> Outcome<Footage> {
+fn footage(config: &TrackConfig) -> Outcome<Footage<'static>> {
     let calibration = config.calibration.as_deref().ok_or("no calibration")?;
     Ok(config.footage(calibration)?)
 }

@@ -118,7 +118,7 @@ impl TrackConfig {
     ///
     /// # Errors
     /// Files that cannot be read or do not fit.
-    pub fn footage(&self, calibration: &Path) -> Result<Footage, Error> {
+    pub fn footage(&self, calibration: &Path) -> Result<Footage<'static>, Error> {
         let files = FootageFiles {
             calibration,
             keypoints: self.keypoints.as_deref(),

@@ -10,7 +10,6 @@ use super::resume::{Start, stopped_run};
 use super::threads::{wanted, with_threads};
 use crate::Error;
 use crate::config::Resolved;
-use crate::input::one_person::OnePerson;
 use crate::input::roll::Roll;
 use crate::input::source::FrameSource;
 use crate::track::job::{self, Outcome, Watch};
@@ -70,9 +69,8 @@ pub fn track_alone(
     job::check_settings(resolved)?;
     let (mut recording, frames) = opened(&config, &calibration(&config)?, chosen)?;
     let claim = claimed(&config, read_from, listener)?;
-    let mut source = OnePerson { source: &mut recording, chosen };
     watched(listener, |watch| {
-        with_threads(wanted(&config), || job::track(&mut source, frames, resolved, claim, watch, None))
+        with_threads(wanted(&config), || job::track(&mut recording, frames, resolved, claim, watch, None))
     })
 }
 

@@ -13,7 +13,6 @@ use super::resume::{Start, stopped_or_begun};
 use super::threads::{beside_each_other, wanted};
 use crate::Error;
 use crate::config::TrackConfig;
-use crate::input::one_person::OnePerson;
 use crate::input::roll::Roll;
 use crate::input::source::FrameSource as _;
 use crate::track::job::{RunPhase, Watch};
@@ -194,18 +193,16 @@ fn one(
     let out = run.resolved.track().out.join(person_folder(person));
     let resolved = run.resolved.for_person(person + 1, &out);
     let config = resolved.track();
-    let chosen = Some((roll, person));
-    let (mut recording, frames) = opened(&config, run.calibration, chosen)?;
+    let (mut recording, frames) = opened(&config, run.calibration, Some((roll, person)))?;
     let is_begun = run.request.resume && out.is_dir();
     let stopped = if is_begun { stopped_or_begun(&config, run.read_from, run.listener)? } else { None };
     let start = match stopped {
         Some(stopped) => stopped,
         None => Start::New(claim_in(run.request.storage(), &out, run.read_from, config.force)?),
     };
-    let mut source = OnePerson { source: &mut recording, chosen };
     let mut at = |pass, done, _| progress.at(person, pass, done);
     let mut watch = Watch { progress: &mut at, stop: &run.listener.stop() };
-    match tracked(&mut source, frames, &resolved, start, threads, &mut watch)? {
+    match tracked(&mut recording, frames, &resolved, start, threads, &mut watch)? {
         OneCameTo::Tracked(outcome) => {
             let Summary { complete, failed_diagnostics, warnings, .. } = outcome.summary;
             Ok(Tracked { complete, failed_diagnostics, warnings, about_recording: recording.warnings() })

@@ -14,13 +14,13 @@ pub fn how_to_resume() -> String {
     format!("the same command with {} continues from there", flag("resume"))
 }
 
-/// The recording of a run and the frames for its set-up: those asked for that also show the one who was `chosen`; all that show them where the two have none in common.
-pub(crate) fn opened(
+/// The recording of a run, of which the one who was `chosen` is shown alone, and the frames for its set-up: those asked for that also show them; all that show them where the two have none in common.
+pub(crate) fn opened<'a>(
     config: &TrackConfig,
     calibration: &Path,
-    chosen: Option<(&Roll, usize)>,
-) -> Result<(Footage, Range<u64>), Error> {
-    let recording = config.footage(calibration)?;
+    chosen: Option<(&'a Roll, usize)>,
+) -> Result<(Footage<'a>, Range<u64>), Error> {
+    let recording = config.footage(calibration)?.showing(chosen);
     let asked = setup_frames(config, &recording)?;
     let Some((roll, person)) = chosen else { return Ok((recording, asked)) };
     let shown = &roll.people[person].frames;
@@ -29,7 +29,7 @@ pub(crate) fn opened(
 }
 
 /// Frames of a recording for the set-up pass.
-pub(crate) fn setup_frames(config: &TrackConfig, recording: &Footage) -> Result<Range<u64>, Error> {
+pub(crate) fn setup_frames(config: &TrackConfig, recording: &Footage<'_>) -> Result<Range<u64>, Error> {
     let available = recording.available();
     let Some(asked) = config.setup_frames.clone() else { return Ok(available) };
     let cut = asked.start.max(available.start)..asked.end.min(available.end);

@@ -65,7 +65,7 @@ pub fn looked_for(
 }
 
 /// Everybody over the recording.
-fn called(recording: &mut Footage, fps: f64, listener: &dyn Listener) -> Result<Roll, Error> {
+fn called(recording: &mut Footage<'_>, fps: f64, listener: &dyn Listener) -> Result<Roll, Error> {
     let frames = recording.frames();
     let mut counter = listener.counter("who is there", "frames", frames.end - frames.start);
     let stop = listener.stop();
@@ -81,7 +81,7 @@ fn called(recording: &mut Footage, fps: f64, listener: &dyn Listener) -> Result<
 }
 
 /// Why nobody but one person is looked for; `None` where everybody can be named.
-fn not_looked_for(resolved: &Resolved, config: &TrackConfig, recording: &Footage) -> Result<Option<String>, Error> {
+fn not_looked_for(resolved: &Resolved, config: &TrackConfig, recording: &Footage<'_>) -> Result<Option<String>, Error> {
     let Range { start, end } = recording.frames();
     let frames = end - start;
     let kind = resolved.single_person_setting().filter(|_| config.person.is_none());
@@ -102,7 +102,7 @@ fn not_looked_for(resolved: &Resolved, config: &TrackConfig, recording: &Footage
 }
 
 /// Whether a camera shows more than one person in some of evenly spaced frames.
-fn others_in_view(recording: &mut Footage) -> Result<bool, Error> {
+fn others_in_view(recording: &mut Footage<'_>) -> Result<bool, Error> {
     let frames = recording.frames();
     let stride = usize::try_from(frames.end - frames.start).unwrap_or(usize::MAX).div_ceil(LOOKED_AT).max(1);
     for number in frames.step_by(stride) {

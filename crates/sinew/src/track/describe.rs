@@ -109,8 +109,8 @@ impl Describer {
     /// What a step says without its draws.
     fn estimate(&self, noted: Noted, described: Described) -> FrameEstimate {
         let Described { points, keypoints, state } = described;
-        let (cameras, seen) = (noted.cameras(), noted.seen());
-        let Noted { number, info, .. } = noted;
+        let Noted { number, info, shown, silhouettes } = noted;
+        let (cameras, seen) = (shown.cameras().max(silhouettes), shown.seen());
         FrameEstimate {
             number,
             restarted: info.restarted,

@@ -60,6 +60,19 @@ pub struct Shown {
     odd: Vec<OddPerson>,
 }
 
+impl Shown {
+    /// What was seen of the person ([`sinew_results::estimate::FrameEstimate::seen`]).
+    pub(super) fn seen(&self) -> Vec<[f64; 3]> {
+        let one = |d: &Option<Detection>| d.map_or([f64::NAN; 3], |d| [d.pixel[0], d.pixel[1], d.confidence]);
+        self.detections.iter().flatten().map(one).collect()
+    }
+
+    /// Cameras that saw a keypoint of the person.
+    pub(super) fn cameras(&self) -> usize {
+        self.detections.iter().filter(|points| points.iter().any(Option::is_some)).count()
+    }
+}
+
 /// The tracked person in the cameras.
 pub struct Scene {
     model: KeypointModel,

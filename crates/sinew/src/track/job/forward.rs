@@ -27,7 +27,8 @@ pub(super) fn forward<S: FrameSource>(
     loop {
         let next = frames.start + keeper.checkpoint.done;
         let writing = Writing { keeper, watch, total };
-        let tracked = pipeline.track(source, next..frames.end, writing);
+        // The turn of the world is in the cameras, and what is tracked is no part of the set-up's reading.
+        let tracked = pipeline.track(source.source_mut(), next..frames.end, writing);
         let is_last = keeper.checkpoint.done == total;
         match tracked {
             Err(error) if keeper.checkpoint.done == before || error.file().is_some() => return Err(error),

@@ -68,7 +68,8 @@ pub fn track_live<S: Arrivals>(
     let mut keeper = Keeper::open(claim, info, checkpoint, &config, &pipeline)?;
     let (mut next, mut arrived, mut tracked) = (first, Some(first), Ok(()));
     while let (Some(number), false) = (arrived, watch.is_stopped()) {
-        tracked = pipeline.track(&mut source, next..number + 1, Answering { keeper: &mut keeper, answers });
+        let answering = Answering { keeper: &mut keeper, answers };
+        tracked = pipeline.track(source.source_mut(), next..number + 1, answering);
         if tracked.is_err() {
             break;
         }
