@@ -1,6 +1,6 @@
 //! Eight chains of random-walk Metropolis, one a lane, on the eight schools of Rubin (1981).
 //!
-//! `cargo run --release -p sinew-core --example eight_schools`
+//! `cargo run --release -p sinew-core --example metropolis_in_lanes`
 
 use sinew_core::density::{LaneDensity, Lanes, LogDensity};
 use sinew_core::diagnostics::{effective_sample_size, split_r_hat};
