@@ -92,7 +92,8 @@ fn random_walks(args: &Args, folder: &Path) -> Outcome<Vec<Cell>> {
     let (ratios, dimensions): (&[f64], &[usize]) =
         if args.quick { (&RATIOS[..2], &DIMENSIONS[..3]) } else { (&RATIOS, &DIMENSIONS) };
     let mut store = Store::open(folder, &format!("random walk, seed {}", args.seed))?;
-    let (mut wanted, mut tasks): (Vec<(String, Setting, f64, usize)>, Vec<Task<'_>>) = (vec![], vec![]);
+    let mut wanted: Vec<(String, Setting, f64, usize)> = vec![];
+    let mut tasks: Vec<Task<'_>> = vec![];
     for setting in SETTINGS {
         for (&dim, &ratio) in dimensions.iter().flat_map(|dim| ratios.iter().map(move |ratio| (dim, ratio))) {
             let length = Length { runs: runs(setting, dim, args.quick), before: 10, frames: 10 };
