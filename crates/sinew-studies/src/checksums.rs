@@ -104,8 +104,8 @@ fn found(program: &Program, data: &Path, only: Option<&str>) -> Outcome<BTreeMap
         }
         eprintln!("{name}: exit code {code}");
         sums.insert(format!("{name}\texit code"), code.to_string());
-        // What tracking says has times in it.
-        if !["track ", "demo "].iter().any(|timed| arguments.starts_with(timed)) {
+        // What tracking and learning say has times in it.
+        if !["track ", "demo ", "learn "].iter().any(|timed| arguments.starts_with(timed)) {
             let said = placed(ran.stdout, &folders);
             sums.insert(format!("{name}\tanswer"), format!("{:016x}", sum(&said)));
         }
