@@ -43,15 +43,18 @@ pub struct Proportions {
 }
 
 impl Proportions {
-    /// Whether every size is a finite number, as the bodies need.
+    /// Longest size that files and callers may give, metres: bodies add sizes, and a sum of any finite ones may be infinite.
+    pub const LONGEST_M: f64 = 1e6;
+
+    /// Whether every size is a number of at most so many metres; [`f64::MAX`] asks for finite ones.
     #[must_use]
-    pub fn is_finite(&self) -> bool {
+    pub fn are_within(&self, most_m: f64) -> bool {
         let Self { spine, shoulder_height, shoulder_half_width, hip_half_width, pelvis_drop, .. } = *self;
         let Self { upper_arm, forearm, thigh, shin, head_top, nose, eye, ear, heel, big_toe, small_toe, .. } = *self;
         let trunk = [spine, shoulder_height, shoulder_half_width, hip_half_width, pelvis_drop];
         let limbs = [upper_arm, forearm, thigh, shin];
         let places = [head_top, nose, eye, ear, heel, big_toe, small_toe];
-        trunk.iter().chain(&limbs).chain(places.iter().flatten()).all(|size| size.is_finite())
+        trunk.iter().chain(&limbs).chain(places.iter().flatten()).all(|size| size.abs() <= most_m)
     }
 }
 

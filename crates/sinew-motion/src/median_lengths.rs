@@ -46,7 +46,7 @@ pub fn median_lengths(motion: &Trajectories, root: f64) -> Result<Proportions, F
         shin: both("Knee", "Ankle")?,
         ..Proportions::default()
     };
-    if found.is_finite() { Ok(found) } else { Err(FollowError::NoPose) }
+    if found.are_within(Proportions::LONGEST_M) { Ok(found) } else { Err(FollowError::NoPose) }
 }
 
 fn median_distance(motion: &Trajectories, from: [&str; 2], to: [&str; 2]) -> Result<f64, FollowError> {

@@ -51,7 +51,7 @@ impl PyBody {
     #[pyo3(signature = (name = "h32", *, scale = 1.0, sizes = None, text = None))]
     fn new(name: &str, scale: f64, sizes: Option<BTreeMap<String, f64>>, text: Option<&str>) -> PyResult<Self> {
         if let Some(text) = text {
-            return Self::of_text(name, text);
+            return Self::from_text(name, text);
         }
         if !(scale > 0.0 && scale.is_finite()) {
             return Err(Failure::argument(format!("`scale` is {scale}; it must be positive")).into());
@@ -60,6 +60,11 @@ impl PyBody {
         let mut proportions = scaled(&Proportions::default(), scale);
         for (name, value) in sizes.unwrap_or_default() {
             set_size(&mut proportions, &name, value)?;
+        }
+        let longest = Proportions::LONGEST_M;
+        if !proportions.are_within(longest) {
+            let what = format!("a size of the body is more than {longest} m; `scale` and `sizes` set them, in metres");
+            return Err(Failure::argument(what).into());
         }
         Self::of(name.into(), body, proportions)
     }
@@ -99,7 +104,7 @@ impl PyBody {
             joints: &joints[link],
         };
         let tree = skeleton(&(0..links.len()).map(bone).collect::<Vec<_>>()).map_err(Failure::from)?;
-        Self::of_text("body", &body_toml::write(&tree, None))
+        Self::from_text("body", &body_toml::write(&tree, None))
     }
 
     /// The skeleton of a BVH file; `unit_m` is the length of the file's unit in metres (0.01 where it has centimetres).
@@ -108,7 +113,7 @@ impl PyBody {
     fn from_bvh(py: Python<'_>, path: PathBuf, unit_m: f64) -> PyResult<Self> {
         let name = path.display().to_string();
         let tree = detached(py, || Ok(bvh::read(&name, &read_text(&path, MAX_TEXT_BYTES)?)?.body(unit_m)?))?;
-        Self::of_text(&name, &body_toml::write(&tree, None))
+        Self::from_text(&name, &body_toml::write(&tree, None))
     }
 
     fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (&str,))> {
@@ -267,7 +272,7 @@ impl PyBody {
 }
 
 impl PyBody {
-    fn of_text(name: &str, text: &str) -> PyResult<Self> {
+    fn from_text(name: &str, text: &str) -> PyResult<Self> {
         let body = FileBody::read(name, text).map_err(Failure::from)?;
         Self::of(name.into(), Body::File(body), Proportions::default())
     }

@@ -97,6 +97,7 @@ def test_sizes_are_those_given():
         (lambda body: body.positions("standing"), "`poses` is no array of numbers"),
         (lambda body: body.positions(None), r"`poses` has the shape \(\)"),
         (lambda body: sinew.Body("h32", scale=-1), "`scale` is -1; it must be positive"),
+        (lambda body: sinew.Body("hppf24", scale=1e308), "a size of the body is more than 1000000 m"),
         (lambda body: sinew.Body("h32", sizes={"nose": 1}), "unknown size `nose`; known: spine, "),
         (lambda body: sinew.Body("h32", sizes={"thigh": -1}), "thigh is -1; it must be positive"),
     ],

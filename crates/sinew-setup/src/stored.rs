@@ -368,8 +368,10 @@ impl Setup {
         let sizes = [self.proportions.spine, self.proportions.upper_arm, self.proportions.thigh, self.proportions.shin];
         if !sizes.iter().all(|x| *x > 0.0 && x.is_finite()) {
             problems.push("proportions: lengths must be positive".into());
-        } else if !self.proportions.is_finite() {
+        } else if !self.proportions.are_within(f64::MAX) {
             problems.push("proportions hold a number that is not finite".into());
+        } else if !self.proportions.are_within(Proportions::LONGEST_M) {
+            problems.push(format!("proportions hold a length of more than {} m", Proportions::LONGEST_M));
         } else {
             let dof = self.tree().dof();
             if self.start_pose.len() != dof {

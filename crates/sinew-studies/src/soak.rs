@@ -106,9 +106,9 @@ pub fn run(args: &Args) -> Outcome<ExitCode> {
     Ok(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-fn soak(method: &str, args: &Args) -> Result<bool, Error> {
+fn soak(method: &str, args: &Args) -> Outcome<bool> {
     let script = Script { duration_s: WINDOW as f64 / 30.0, ..Script::default() };
-    let walk = SyntheticRecording::new(&script, SEED).expect("the walk of fixed settings");
+    let walk = SyntheticRecording::new(&script, SEED)?;
     let mut source = ToAndFro { walk: source(&walk), truth: walk.truth, frames: args.frames };
     let out = args.out.join(method);
     let settings = [

@@ -277,10 +277,10 @@ fn a_set_up_file_that_cannot_be_is_refused_with_every_reason() {
     assert!(Setup::from_toml("setup.toml", &format!("colour = 1\n{text}")).is_err());
     let (before, after) = text.split_once("forearm = ").unwrap();
     let rest = after.split_once('\n').unwrap().1;
-    for size in ["nan", "inf"] {
+    let [not_finite, too_long] = ["a number that is not finite", "a length of more than 1000000 m"];
+    for (size, problem) in [("nan", not_finite), ("inf", not_finite), ("1.7e308", too_long)] {
         let error = Setup::from_toml("setup.toml", &format!("{before}forearm = {size}\n{rest}")).unwrap_err();
-        let expected = "setup.toml: proportions hold a number that is not finite";
-        assert_eq!(error.to_string(), expected);
+        assert_eq!(error.to_string(), format!("setup.toml: proportions hold {problem}"));
         assert_eq!(sinew_words::exit_code(&error.into()), 2);
     }
 }

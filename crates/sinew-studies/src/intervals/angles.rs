@@ -230,7 +230,7 @@ const HEAD: &str = "| what | filtered: inside 90 % intervals, % | mean error | h
 
 /// All angles together, and their rates.
 pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
-    let cells = store.of_seeds(CELLS, seeds);
+    let cells = store.for_seeds(CELLS, seeds);
     let text = format!(
         "{} demos, seeds from {FIRST_ANGLES}, `angles.csv` against the truth:\n\n{}",
         cells.len(),
@@ -250,7 +250,7 @@ pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
 
 /// Each angle, both sides together.
 pub(super) fn each_table(store: &Store, seeds: Range<u64>) -> String {
-    let cells = store.of_seeds(CELLS, seeds);
+    let cells = store.for_seeds(CELLS, seeds);
     let known = cells.first().and_then(|cell| cell["filtered"].as_object()).into_iter().flatten();
     let names: BTreeSet<&str> = known.map(|(name, _)| group(name)).collect();
     let mut text = format!("Each angle, both sides together:\n\n{}", header(HEAD));

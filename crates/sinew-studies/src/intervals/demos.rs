@@ -77,7 +77,7 @@ pub(super) fn cell(program: &Program, seed: u64) -> Outcome<Value> {
 
 /// Means over the seeds, with standard errors.
 pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
-    let cells: Vec<&Value> = store.of_seeds(CELLS, seeds);
+    let cells: Vec<&Value> = store.for_seeds(CELLS, seeds);
     let of = |name: &str| {
         let values: Vec<f64> = cells.iter().filter_map(|cell| cell[name].as_f64()).collect();
         let [centre, error] = mean_and_error(&values);

@@ -212,7 +212,7 @@ pub(super) const CELLS: &str = "derived";
 
 /// Curves of a kind of run over the seeds.
 pub(super) fn curves(store: &Store, seeds: Range<u64>, kind: &str, key: &str) -> Vec<Vec<f64>> {
-    store.of_seeds(CELLS, seeds).into_iter().map(|cell| numbers(&cell[kind][key])).collect()
+    store.for_seeds(CELLS, seeds).into_iter().map(|cell| numbers(&cell[kind][key])).collect()
 }
 
 /// Shares inside 90 % intervals.

@@ -71,7 +71,7 @@ fn row(name: &str, rigs: &[Vec<u32>]) -> String {
 
 /// The table, and what failed.
 pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
-    let cells: Vec<&Value> = store.of_seeds(CELLS, seeds);
+    let cells: Vec<&Value> = store.for_seeds(CELLS, seeds);
     let (failed, found): (Vec<&Value>, Vec<&Value>) = cells.iter().partition(|cell| cell["failed"].is_string());
     let mut text = format!("{} simulated rigs, of which {} were refused or failed:\n\n", cells.len(), failed.len());
     text += &header(
@@ -129,7 +129,7 @@ const AT_JOINTS: [(&str, &str); 4] = [
 pub(super) fn at_joints_table(store: &Store, seeds: Range<u64>) -> Outcome<String> {
     let is_at_joints = |seed: &u64| store.get(&format!("{CELLS_AT_JOINTS}/{seed}")).is_some();
     let [at_joints, aside] =
-        [CELLS_AT_JOINTS, CELLS].map(|kind| store.of_seeds(kind, seeds.clone().filter(is_at_joints)));
+        [CELLS_AT_JOINTS, CELLS].map(|kind| store.for_seeds(kind, seeds.clone().filter(is_at_joints)));
     let mut text = format!(
         "{} rigs, inside 90 % intervals, keypoints as the prior has them and at the joints:\n\n",
         at_joints.len()

@@ -98,7 +98,7 @@ pub(super) const CELLS: &str = "standing";
 
 /// Angles with and without a standing trial.
 pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
-    let cells: Vec<&Value> = store.of_seeds(CELLS, seeds);
+    let cells: Vec<&Value> = store.for_seeds(CELLS, seeds);
     let mut text = format!(
         "{} walkers, seeds from {FIRST_ANGLES}, whose soles rest {SOLE_DEG}° and whose faces rest {FACE_DEG}° from the body's zero:\n\n",
         cells.len()

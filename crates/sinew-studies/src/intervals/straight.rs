@@ -171,7 +171,7 @@ pub(super) fn table(store: &Store, runs: Range<u64>, rigs: Range<u64>) -> Outcom
     );
     let names = FAMILIES.map(|(_, name)| name).join(" | ");
     text += &header(&format!("| set-ups | how many | {names} |"));
-    let recording: Vec<&Value> = store.of_seeds(RECORDINGS, runs);
+    let recording: Vec<&Value> = store.for_seeds(RECORDINGS, runs);
     add(&mut text, "real recording", &recording);
     let mut found: Vec<(f64, &Value)> = vec![];
     for seed in rigs {

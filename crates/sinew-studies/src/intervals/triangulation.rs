@@ -72,7 +72,7 @@ pub(super) const CELLS: &str = "triangulation";
 
 /// The table, for runs of some seeds.
 pub(super) fn table(store: &Store, seeds: Range<u64>) -> String {
-    let cells: Vec<&Value> = store.of_seeds(CELLS, seeds);
+    let cells: Vec<&Value> = store.for_seeds(CELLS, seeds);
     let mut text = "Coordinates that another program triangulated, inside 90 % intervals; mean ± standard deviation over seeds:\n\n".to_owned();
     text += &header("| points | intervals of | inside, % | mean difference taken off, % |");
     for (_, file) in FILES {

@@ -51,7 +51,7 @@ impl Store {
     }
 
     /// The finished cells of seeds, whose names are that of their kind and the seed.
-    pub(crate) fn of_seeds(&self, kind: &str, seeds: impl IntoIterator<Item = u64>) -> Vec<&Value> {
+    pub(crate) fn for_seeds(&self, kind: &str, seeds: impl IntoIterator<Item = u64>) -> Vec<&Value> {
         seeds.into_iter().filter_map(|seed| self.get(&format!("{kind}/{seed}"))).collect()
     }
 

@@ -103,7 +103,7 @@ pub const fn setting<T: SettingType>((group, key, kind, value, default, help): R
 
 /// A setting of a single method, which the long help shows alone: name, values, word for the value, default, meaning.
 #[must_use]
-pub const fn of_method<T: SettingType>(
+pub const fn method_setting<T: SettingType>(
     (key, kind, value, default, help): (&'static str, SettingKind, &'static str, fn() -> T, &'static str),
 ) -> Typed<T> {
     setting((SAMPLING, key, kind, value, default, help)).rare()

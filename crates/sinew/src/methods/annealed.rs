@@ -4,7 +4,7 @@ use super::about::{About, Gives, LatentUse, Making, Method, Steps};
 use super::score::Score;
 use crate::Error;
 use crate::config::common::PARTICLES;
-use crate::config::setting::{AnySetting, SHARE, SettingKind, SettingValues, Typed, of_method};
+use crate::config::setting::{AnySetting, SHARE, SettingKind, SettingValues, Typed, method_setting};
 use sinew_samplers::annealed_search;
 use sinew_tracking::annealed::{self, Config};
 use std::sync::Arc;
@@ -39,13 +39,13 @@ pub const ABOUT: About = About {
 const RATE_OF_SURVIVAL: SettingKind = SettingKind::Number { least: 0.0, excluded: true, most: 0.99 };
 
 #[rustfmt::skip]
-const LAYERS: Typed<usize> = of_method(("layers", SettingKind::Count(1, 1000), "N", || AnnealedMethod::default().0.layers.layers, "layers (annealed)"));
+const LAYERS: Typed<usize> = method_setting(("layers", SettingKind::Count(1, 1000), "N", || AnnealedMethod::default().0.layers.layers, "layers (annealed)"));
 #[rustfmt::skip]
-const SURVIVAL: Typed<f64> = of_method(("survival", RATE_OF_SURVIVAL, "X", || AnnealedMethod::default().0.layers.survival, "share of the particles that survives a layer (annealed)"));
+const SURVIVAL: Typed<f64> = method_setting(("survival", RATE_OF_SURVIVAL, "X", || AnnealedMethod::default().0.layers.survival, "share of the particles that survives a layer (annealed)"));
 #[rustfmt::skip]
-const ADAPTIVE: Typed<bool> = of_method(("adaptive", SettingKind::Flag, "", || AnnealedMethod::default().0.layers.adaptive, "diffuse no coordinate wider than the particles that survived, soft partitions (annealed)"));
+const ADAPTIVE: Typed<bool> = method_setting(("adaptive", SettingKind::Flag, "", || AnnealedMethod::default().0.layers.adaptive, "diffuse no coordinate wider than the particles that survived, soft partitions (annealed)"));
 #[rustfmt::skip]
-const CROSSOVER: Typed<f64> = of_method(("crossover", SHARE, "X", || AnnealedMethod::default().0.layers.crossover, "share of the particles that is crossed in each layer (annealed); 0 is the filter of 2000"));
+const CROSSOVER: Typed<f64> = method_setting(("crossover", SHARE, "X", || AnnealedMethod::default().0.layers.crossover, "share of the particles that is crossed in each layer (annealed); 0 is the filter of 2000"));
 
 const SETTINGS: &[&dyn AnySetting] = &[&LAYERS, &SURVIVAL, &ADAPTIVE, &CROSSOVER];
 

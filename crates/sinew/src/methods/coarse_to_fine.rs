@@ -4,7 +4,7 @@ use super::about::{About, Gives, LatentUse, Making, Method, Steps, no_motion_mod
 use super::score::Score;
 use crate::Error;
 use crate::config::common::PARTICLES;
-use crate::config::setting::{AnySetting, SettingKind, SettingValues, Typed, of_method};
+use crate::config::setting::{AnySetting, SettingKind, SettingValues, Typed, method_setting};
 use crate::track::error::TrackError;
 use sinew_samplers::grid::GridAxis;
 use sinew_tracking::coarse_to_fine::{self, Config};
@@ -31,7 +31,7 @@ pub const ABOUT: About = About {
 };
 
 #[rustfmt::skip]
-const FINE: Typed<usize> = of_method(("fine", SettingKind::Count(1, 100_000_000), "N", || CoarseToFineMethod::default().0.fine, "particles of the fine level (coarse-to-fine)"));
+const FINE: Typed<usize> = method_setting(("fine", SettingKind::Count(1, 100_000_000), "N", || CoarseToFineMethod::default().0.fine, "particles of the fine level (coarse-to-fine)"));
 
 const SETTINGS: &[&dyn AnySetting] = &[&FINE];
 

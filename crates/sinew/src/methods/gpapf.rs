@@ -5,7 +5,7 @@ use super::latent_state::{ROOT, around, decoder, motion, stored};
 use super::score::Score;
 use crate::Error;
 use crate::config::common::PARTICLES;
-use crate::config::setting::{AnySetting, SHARE, SettingKind, SettingValues, Typed, of_method};
+use crate::config::setting::{AnySetting, SHARE, SettingKind, SettingValues, Typed, method_setting};
 use sinew_core::injection::Injection;
 use sinew_latent::motion::step_sd;
 use sinew_tracking::gpapf::{self, Config};
@@ -37,11 +37,11 @@ pub const ABOUT: About = About {
 };
 
 #[rustfmt::skip]
-const LATENT_LAYERS: Typed<usize> = of_method(("latent_layers", SettingKind::Count(1, 1000), "N", || GpapfMethod::default().config.annealing.layers.layers, "layers (gpapf)"));
+const LATENT_LAYERS: Typed<usize> = method_setting(("latent_layers", SettingKind::Count(1, 1000), "N", || GpapfMethod::default().config.annealing.layers.layers, "layers (gpapf)"));
 #[rustfmt::skip]
-const INJECT: Typed<f64> = of_method(("inject", SHARE, "P", || GpapfMethod::default().config.injection.probability, "probability that a particle begins a frame at a learned pose (gpapf)"));
+const INJECT: Typed<f64> = method_setting(("inject", SHARE, "P", || GpapfMethod::default().config.injection.probability, "probability that a particle begins a frame at a learned pose (gpapf)"));
 #[rustfmt::skip]
-const REFINE: Typed<bool> = of_method(("refine", SettingKind::Flag, "", || GpapfMethod::default().refine, "one more layer among poses outside of the latent space (gpapf)"));
+const REFINE: Typed<bool> = method_setting(("refine", SettingKind::Flag, "", || GpapfMethod::default().refine, "one more layer among poses outside of the latent space (gpapf)"));
 
 const SETTINGS: &[&dyn AnySetting] = &[&LATENT_LAYERS, &INJECT, &REFINE];
 

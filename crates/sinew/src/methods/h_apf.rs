@@ -5,7 +5,7 @@ use super::latent_state::{leading, motion, rest, stored};
 use super::score::Score;
 use crate::Error;
 use crate::config::common::PARTICLES;
-use crate::config::setting::{AnySetting, SettingKind, SettingValues, Typed, of_method};
+use crate::config::setting::{AnySetting, SettingKind, SettingValues, Typed, method_setting};
 use crate::track::error::TrackError;
 use sinew_latent::tree::hierarchy;
 use sinew_tracking::h_apf::{Config, HApf};
@@ -44,7 +44,7 @@ pub const ABOUT: About = About {
 };
 
 #[rustfmt::skip]
-const VISITS: Typed<usize> = of_method(("visits", SettingKind::Count(2, 1000), "N", || HApfMethod::default().visits, "visits of layers of the hierarchy: one more of the root and of the leaves than of the layers between, the rest of the leaves (h-apf)"));
+const VISITS: Typed<usize> = method_setting(("visits", SettingKind::Count(2, 1000), "N", || HApfMethod::default().visits, "visits of layers of the hierarchy: one more of the root and of the leaves than of the layers between, the rest of the leaves (h-apf)"));
 
 const SETTINGS: &[&dyn AnySetting] = &[&VISITS];
 

@@ -8,7 +8,7 @@ use super::latent_state::{ROOT, decoder, walk};
 use super::score::Score;
 use crate::Error;
 use crate::config::setting::{
-    AnySetting, NamedValues, SAMPLING, SHARE, SettingKind, SettingValues, Typed, choice, of_method,
+    AnySetting, NamedValues, SAMPLING, SHARE, SettingKind, SettingValues, Typed, choice, method_setting,
 };
 use crate::setup::Setup;
 use crate::track::error::TrackError;
@@ -78,16 +78,16 @@ impl NamedValues for WhichLimits {
 }
 
 #[rustfmt::skip]
-const CHAINS: Typed<usize> = of_method(("chains", SettingKind::Count(1, 100_000), "N", || HmcMethod::default().0.chains, "chains of a frame (hmc)"));
+const CHAINS: Typed<usize> = method_setting(("chains", SettingKind::Count(1, 100_000), "N", || HmcMethod::default().0.chains, "chains of a frame (hmc)"));
 #[rustfmt::skip]
-const UPDATES: Typed<usize> = of_method(("updates", SettingKind::Count(1, 1_000_000), "N", || HmcMethod::default().0.updates, "updates of each chain in a frame (hmc)"));
+const UPDATES: Typed<usize> = method_setting(("updates", SettingKind::Count(1, 1_000_000), "N", || HmcMethod::default().0.updates, "updates of each chain in a frame (hmc)"));
 /// Times the updates that chains which disagree may take.
 #[rustfmt::skip]
-pub const PATIENCE: Typed<usize> = of_method(("patience", SettingKind::Count(1, 64), "N", || HmcMethod::default().0.patience, "times the updates that chains which disagree may take; 1 for frames that take the same time (hmc)"));
+pub const PATIENCE: Typed<usize> = method_setting(("patience", SettingKind::Count(1, 64), "N", || HmcMethod::default().0.patience, "times the updates that chains which disagree may take; 1 for frames that take the same time (hmc)"));
 #[rustfmt::skip]
-const BURN_IN: Typed<usize> = of_method(("burn_in", SettingKind::Count(0, 1_000_000), "N", || HmcMethod::default().0.burn_in, "first samples of each chain that are discarded (hmc)"));
+const BURN_IN: Typed<usize> = method_setting(("burn_in", SettingKind::Count(0, 1_000_000), "N", || HmcMethod::default().0.burn_in, "first samples of each chain that are discarded (hmc)"));
 #[rustfmt::skip]
-const JITTER: Typed<f64> = of_method(("jitter", SHARE, "X", || HmcMethod::default().0.jitter, "relative jitter of the step size (hmc)"));
+const JITTER: Typed<f64> = method_setting(("jitter", SHARE, "X", || HmcMethod::default().0.jitter, "relative jitter of the step size (hmc)"));
 /// Soft limits of joints.
 #[rustfmt::skip]
 pub const JOINT_LIMITS: Typed<WhichLimits> = choice((SAMPLING, "joint_limits", "WHEN", "soft limits of joints in the prior: off, on, or auto: of knees, elbows, turns of trunk and head, and of all where keypoints show no feet (hmc)")).rare();

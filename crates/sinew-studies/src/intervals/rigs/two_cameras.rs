@@ -52,7 +52,7 @@ pub(in super::super) const CELLS: &str = "rig, two cameras";
 
 /// Mean over rigs, and how far single cameras of single rigs are from it.
 pub(in super::super) fn table(store: &Store, seeds: Range<u64>) -> String {
-    let cells: Vec<&Value> = store.of_seeds(CELLS, seeds);
+    let cells: Vec<&Value> = store.for_seeds(CELLS, seeds);
     let rigs: Vec<Vec<f64>> = cells.iter().map(|cell| numbers(&cell["held"])).filter(|held| !held.is_empty()).collect();
     let [centre, error] = mean_and_error(&rigs.iter().map(|held| mean(held.iter().copied())).collect::<Vec<_>>());
     let single = rigs.concat();
