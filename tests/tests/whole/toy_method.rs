@@ -2,7 +2,7 @@
 
 use sinew::Error;
 use sinew::config::idle::idle_beside;
-use sinew::config::setting::{AnySetting, Origin, SettingKind, SettingValues, Typed, of_method};
+use sinew::config::setting::{AnySetting, Origin, SettingKind, SettingValues, Typed, method_setting};
 use sinew::config::settings::Settings;
 use sinew::config::table::table;
 use sinew::config::value::to_text;
@@ -28,7 +28,7 @@ struct Greedy {
 }
 
 const TRIES: Typed<u64> =
-    of_method(("tries", SettingKind::Count(1, 1000), "N", || 4, "blocks of steps that are tried (greedy)"));
+    method_setting(("tries", SettingKind::Count(1, 1000), "N", || 4, "blocks of steps that are tried (greedy)"));
 const SETTINGS: &[&dyn AnySetting] = &[&TRIES];
 
 const ABOUT: About = About {
