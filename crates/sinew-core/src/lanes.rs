@@ -5,8 +5,8 @@
 //! | type | processor | memory |
 //! |---|---|---|
 //! | one `__m512d` | AVX-512 (F, DQ, VL, BW) | [`Block`] |
-//! | one `__m256d`, for half of the block and then for the other half | AVX2 and FMA | [`Block`] |
-//! | `[f64; 8]`, vectorised by the compiler | any (SSE2, NEON, wasm) | [`Block`] |
+//! | one `__m256d`, for half of the block and then for the other half | AVX2 and FMA | [`Block`], or `[f64; 4]` ([`map_block`]) |
+//! | `[f64; 8]` or `[f64; 2]`, vectorised by the compiler | any (SSE2, NEON, wasm) | [`Block`], or `[f64; 2]` ([`map_block`]) |
 //! | one `f64` with or without fused multiply-add | as above | `f64` |
 //!
 //! Every function from [`Kernel::run`] down carries `#[inline(always)]`, which [`inlined!`](crate::inlined) writes: one that stays outside the entry point is compiled without the
@@ -33,6 +33,8 @@
 //! ```
 #![allow(unsafe_code)]
 
+use crate::groups::{in_groups, one_in_a_group};
+use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
 /// States in a block, on every instruction set.
@@ -184,7 +186,7 @@ impl Isa {
 pub trait Real:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// How it lies in memory: [`Block`] for lanes, `f64` for one state.
+    /// How it lies in memory: [`Block`] for lanes, `f64` for one state, an array for a group of states.
     type Mem: Copy;
     /// Whether [`Real::fma`] rounds once.
     const FUSED: bool;
@@ -194,7 +196,7 @@ pub trait Real:
     fn load(m: &Self::Mem) -> Self;
     /// Writes to memory.
     fn store(self, m: &mut Self::Mem);
-    /// `(k + ½) · 2⁻³²` of the little-endian 32-bit number k of each lane (of the first, for one state).
+    /// `(k + ½) · 2⁻³²` of the little-endian 32-bit number k of each lane (of the first ones, for one state or a group).
     fn from_words(words: &[Word; LANES]) -> Self;
     /// `self · b + c`, fused where the set has it.
     fn fma(self, b: Self, c: Self) -> Self;
@@ -263,6 +265,84 @@ pub fn dispatch_one<K: Kernel<f64>>(isa: Isa, mut kernel: K) {
     }
 }
 
+/// Work that reads `I` arrays and writes `O` others: what takes long to compile or to run. It is compiled once for each instruction set, and not again for one state.
+pub trait LaneMap<const I: usize, const O: usize> {
+    /// The work; must be `#[inline(always)]`, like everything that it calls. Every entry of `output` is written, and none is read before. `ws` is at least as long as the caller's.
+    fn run<V: Real>(&self, input: [&[V::Mem]; I], output: [&mut [V::Mem]; O], ws: &mut [V::Mem]);
+}
+
+/// Runs work over a block of states. Where registers are narrower than a block, groups of states are copied out: code for a group is compiled once, and its values stay in registers.
+pub fn map_block<const I: usize, const O: usize, F: LaneMap<I, O>>(
+    isa: Isa,
+    map: &F,
+    input: [&[Block]; I],
+    output: [&mut [Block]; O],
+    ws: &mut [Block],
+) {
+    match isa.0 {
+        // SAFETY: as in `dispatch`.
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx512 => unsafe { x86::map_on_avx512(map, input, output, ws) },
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx2 => in_groups(LANES, input, output, numbers_mut(ws).as_chunks_mut().0, |input, output, ws| {
+            // SAFETY: as in `dispatch`.
+            unsafe { x86::map_on_avx2(map, input, output, ws) }
+        }),
+        Kind::Baseline => in_groups(LANES, input, output, numbers_mut(ws).as_chunks_mut().0, |input, output, ws| {
+            map_on_pairs(map, input, output, ws);
+        }),
+    }
+}
+
+/// Runs work on one state, with `workspace` numbers of scratch.
+pub fn map_one<const I: usize, const O: usize, F: LaneMap<I, O>>(
+    isa: Isa,
+    map: &F,
+    input: [&[f64]; I],
+    output: [&mut [f64]; O],
+    workspace: usize,
+) {
+    match isa.0 {
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx512 | Kind::Avx2 => one_in_a_group(input, output, workspace, |input, output, ws| {
+            // SAFETY: as in `dispatch`.
+            unsafe { x86::map_on_avx2(map, input, output, ws) }
+        }),
+        Kind::Baseline => {
+            one_in_a_group(input, output, workspace, |input, output, ws| map_on_pairs(map, input, output, ws));
+        }
+    }
+}
+
+#[inline(never)]
+fn map_on_pairs<const I: usize, const O: usize, F: LaneMap<I, O>>(
+    map: &F,
+    input: [&[[f64; 2]]; I],
+    output: [&mut [[f64; 2]]; O],
+    ws: &mut [[f64; 2]],
+) {
+    map.run::<A2>(input, output, ws);
+}
+
+/// What a group of states lies in.
+trait Memory: Copy + AsRef<[f64]> + AsMut<[f64]> {}
+impl Memory for Block {}
+impl<const N: usize> Memory for [f64; N] {}
+
+impl AsRef<[f64]> for Block {
+    #[inline(always)]
+    fn as_ref(&self) -> &[f64] {
+        &self.0
+    }
+}
+
+impl AsMut<[f64]> for Block {
+    #[inline(always)]
+    fn as_mut(&mut self) -> &mut [f64] {
+        &mut self.0
+    }
+}
+
 /// One state, multiply then add: what runs over lanes, for a number by itself.
 #[derive(Clone, Copy)]
 pub struct One(pub f64);
@@ -270,6 +350,10 @@ pub struct One(pub f64);
 /// Eight states in an array, for the compiler to vectorise.
 #[derive(Clone, Copy)]
 struct A8([f64; LANES]);
+
+/// A pair of states: of numbers as wide as those of the baseline's registers.
+#[derive(Clone, Copy)]
+struct A2([f64; 2]);
 
 #[inline(always)]
 fn from_word(word: Word) -> f64 {
@@ -403,119 +487,117 @@ macro_rules! one_state {
 
 one_state!(One, false, |a: f64, b: f64, c: f64| a * b + c);
 
-macro_rules! eachwise {
-    ($i:ident => $e:expr) => {{
-        let mut out = [0.0; LANES];
-        let mut $i = 0;
-        while $i < LANES {
-            out[$i] = $e;
-            $i += 1;
+// Written out: loops over lanes, some for each operation, take the compiler as long as all the rest.
+macro_rules! array_of_lanes {
+    ($name:ident, $memory:ty, [$($k:literal)*]) => {
+        impl Add for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, o: Self) -> Self {
+                Self([$(self.0[$k] + o.0[$k]),*])
+            }
         }
-        A8(out)
-    }};
+        impl Sub for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, o: Self) -> Self {
+                Self([$(self.0[$k] - o.0[$k]),*])
+            }
+        }
+        impl Mul for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, o: Self) -> Self {
+                Self([$(self.0[$k] * o.0[$k]),*])
+            }
+        }
+        impl Div for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn div(self, o: Self) -> Self {
+                Self([$(self.0[$k] / o.0[$k]),*])
+            }
+        }
+        impl Neg for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self([$(-self.0[$k]),*])
+            }
+        }
+        impl Real for $name {
+            type Mem = $memory;
+            const FUSED: bool = false;
+            #[inline(always)]
+            fn splat(x: f64) -> Self {
+                Self([x; [$($k),*].len()])
+            }
+            #[inline(always)]
+            fn load(m: &$memory) -> Self {
+                let m = m.as_ref();
+                Self([$(m[$k]),*])
+            }
+            #[inline(always)]
+            fn store(self, m: &mut $memory) {
+                let m = m.as_mut();
+                $(m[$k] = self.0[$k];)*
+            }
+            #[inline(always)]
+            fn from_words(words: &[Word; LANES]) -> Self {
+                Self([$(from_word(words[$k])),*])
+            }
+            #[inline(always)]
+            fn fma(self, b: Self, c: Self) -> Self {
+                Self([$(self.0[$k] * b.0[$k] + c.0[$k]),*])
+            }
+            #[inline(always)]
+            fn fnma(self, b: Self, c: Self) -> Self {
+                Self([$(c.0[$k] - self.0[$k] * b.0[$k]),*])
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self([$(self.0[$k].sqrt()),*])
+            }
+            #[inline(always)]
+            fn max(self, o: Self) -> Self {
+                Self([$(if self.0[$k] > o.0[$k] { self.0[$k] } else { o.0[$k] }),*])
+            }
+            #[inline(always)]
+            fn min(self, o: Self) -> Self {
+                Self([$(if self.0[$k] < o.0[$k] { self.0[$k] } else { o.0[$k] }),*])
+            }
+            #[inline(always)]
+            fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self {
+                Self([$(if self.0[$k] > limit { yes.0[$k] } else { no.0[$k] }),*])
+            }
+            #[inline(always)]
+            fn select_odd(t: Self, yes: Self, no: Self) -> Self {
+                Self([$(if odd(t.0[$k]) { yes.0[$k] } else { no.0[$k] }),*])
+            }
+            #[inline(always)]
+            fn negate_by_bit1(self, t: Self) -> Self {
+                Self([$(negate_by_bit1(self.0[$k], t.0[$k])),*])
+            }
+            #[inline(always)]
+            fn half_pow2(t: Self) -> Self {
+                Self([$(half_pow2(t.0[$k])),*])
+            }
+            #[inline(always)]
+            fn exponent_mantissa(self) -> (Self, Self) {
+                (Self([$(exponent(self.0[$k])),*]), Self([$(mantissa(self.0[$k])),*]))
+            }
+        }
+    };
 }
-
-impl Add for A8 {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, o: Self) -> Self {
-        eachwise!(i => self.0[i] + o.0[i])
-    }
-}
-impl Sub for A8 {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, o: Self) -> Self {
-        eachwise!(i => self.0[i] - o.0[i])
-    }
-}
-impl Mul for A8 {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, o: Self) -> Self {
-        eachwise!(i => self.0[i] * o.0[i])
-    }
-}
-impl Div for A8 {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, o: Self) -> Self {
-        eachwise!(i => self.0[i] / o.0[i])
-    }
-}
-impl Neg for A8 {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        eachwise!(i => -self.0[i])
-    }
-}
-impl Real for A8 {
-    type Mem = Block;
-    const FUSED: bool = false;
-    #[inline(always)]
-    fn splat(x: f64) -> Self {
-        Self([x; LANES])
-    }
-    #[inline(always)]
-    fn load(m: &Block) -> Self {
-        Self(m.0)
-    }
-    #[inline(always)]
-    fn store(self, m: &mut Block) {
-        m.0 = self.0;
-    }
-    #[inline(always)]
-    fn from_words(words: &[Word; LANES]) -> Self {
-        eachwise!(i => from_word(words[i]))
-    }
-    #[inline(always)]
-    fn fma(self, b: Self, c: Self) -> Self {
-        eachwise!(i => self.0[i] * b.0[i] + c.0[i])
-    }
-    #[inline(always)]
-    fn fnma(self, b: Self, c: Self) -> Self {
-        eachwise!(i => c.0[i] - self.0[i] * b.0[i])
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        eachwise!(i => self.0[i].sqrt())
-    }
-    #[inline(always)]
-    fn max(self, o: Self) -> Self {
-        eachwise!(i => if self.0[i] > o.0[i] { self.0[i] } else { o.0[i] })
-    }
-    #[inline(always)]
-    fn min(self, o: Self) -> Self {
-        eachwise!(i => if self.0[i] < o.0[i] { self.0[i] } else { o.0[i] })
-    }
-    #[inline(always)]
-    fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self {
-        eachwise!(i => if self.0[i] > limit { yes.0[i] } else { no.0[i] })
-    }
-    #[inline(always)]
-    fn select_odd(t: Self, yes: Self, no: Self) -> Self {
-        eachwise!(i => if odd(t.0[i]) { yes.0[i] } else { no.0[i] })
-    }
-    #[inline(always)]
-    fn negate_by_bit1(self, t: Self) -> Self {
-        eachwise!(i => negate_by_bit1(self.0[i], t.0[i]))
-    }
-    #[inline(always)]
-    fn half_pow2(t: Self) -> Self {
-        eachwise!(i => half_pow2(t.0[i]))
-    }
-    #[inline(always)]
-    fn exponent_mantissa(self) -> (Self, Self) {
-        (eachwise!(i => exponent(self.0[i])), eachwise!(i => mantissa(self.0[i])))
-    }
-}
+array_of_lanes!(A8, Block, [0 1 2 3 4 5 6 7]);
+array_of_lanes!(A2, [f64; 2], [0 1]);
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use super::{
-        Add, Block, Div, HALF_BITS, Kernel, LANES, MANTISSA, Mul, Neg, ONE_BITS, Real, SIGN, Sub, TWO52_BITS,
-        TWO52_PLUS_BIAS, WORD_SHIFT, Word, exponent, from_word, half_pow2, mantissa, negate_by_bit1, odd,
+        Add, Block, Div, HALF_BITS, Kernel, LANES, LaneMap, MANTISSA, Memory, Mul, Neg, ONE_BITS, PhantomData, Real,
+        SIGN, Sub, TWO52_BITS, TWO52_PLUS_BIAS, WORD_SHIFT, Word, exponent, from_word, half_pow2, mantissa,
+        negate_by_bit1, odd,
     };
     use core::arch::x86_64::*;
 
@@ -529,6 +611,26 @@ mod x86 {
     pub(super) fn on_avx2<K: Kernel<Block>>(kernel: &mut K) {
         kernel.run::<Y4<0>>();
         kernel.run::<Y4<4>>();
+    }
+
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma,bmi1,bmi2,popcnt")]
+    pub(super) fn map_on_avx512<const I: usize, const O: usize, F: LaneMap<I, O>>(
+        map: &F,
+        input: [&[Block]; I],
+        output: [&mut [Block]; O],
+        ws: &mut [Block],
+    ) {
+        map.run::<Z8>(input, output, ws);
+    }
+
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+    pub(super) fn map_on_avx2<const I: usize, const O: usize, F: LaneMap<I, O>>(
+        map: &F,
+        input: [&[[f64; 4]]; I],
+        output: [&mut [[f64; 4]]; O],
+        ws: &mut [[f64; 4]],
+    ) {
+        map.run::<Y4<0, [f64; 4]>>(input, output, ws);
     }
 
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
@@ -545,9 +647,9 @@ mod x86 {
     #[derive(Clone, Copy)]
     pub(super) struct Z8(__m512d);
 
-    /// Four of eight states, from lane `AT` on, in one register.
+    /// Four states in one register: of a block those from lane `AT` on, or a group of four (`AT` is 0).
     #[derive(Clone, Copy)]
-    pub(super) struct Y4<const AT: usize>(__m256d);
+    pub(super) struct Y4<const AT: usize, M = Block>(__m256d, PhantomData<M>);
 
     // SAFETY of all intrinsics below: these types are private to this module and constructed only inside the two entry
     // points, which enable every feature named by the intrinsics. Blocks are 64-byte aligned by their type; `AT` is 0 or 4.
@@ -667,11 +769,11 @@ mod x86 {
 
     macro_rules! y4_operator {
         ($trait:ident, $fn:ident, $intrinsic:ident) => {
-            impl<const AT: usize> $trait for Y4<AT> {
+            impl<const AT: usize, M> $trait for Y4<AT, M> {
                 type Output = Self;
                 #[inline(always)]
                 fn $fn(self, o: Self) -> Self {
-                    Self(unsafe { $intrinsic(self.0, o.0) })
+                    Self(unsafe { $intrinsic(self.0, o.0) }, PhantomData)
                 }
             }
         };
@@ -680,86 +782,101 @@ mod x86 {
     y4_operator!(Sub, sub, _mm256_sub_pd);
     y4_operator!(Mul, mul, _mm256_mul_pd);
     y4_operator!(Div, div, _mm256_div_pd);
-    impl<const AT: usize> Neg for Y4<AT> {
+    impl<const AT: usize, M> Neg for Y4<AT, M> {
         type Output = Self;
         #[inline(always)]
         fn neg(self) -> Self {
-            Self(unsafe { _mm256_xor_pd(self.0, _mm256_set1_pd(-0.0)) })
+            Self(unsafe { _mm256_xor_pd(self.0, _mm256_set1_pd(-0.0)) }, PhantomData)
         }
     }
-    impl<const AT: usize> Real for Y4<AT> {
-        type Mem = Block;
+    impl<const AT: usize, M: Memory> Real for Y4<AT, M> {
+        type Mem = M;
         const FUSED: bool = true;
         #[inline(always)]
         fn splat(x: f64) -> Self {
-            Self(unsafe { _mm256_set1_pd(x) })
+            Self(unsafe { _mm256_set1_pd(x) }, PhantomData)
         }
         #[inline(always)]
-        fn load(m: &Block) -> Self {
-            Self(unsafe { _mm256_load_pd(m.0.as_ptr().add(AT)) })
+        fn load(m: &M) -> Self {
+            Self(unsafe { _mm256_loadu_pd(m.as_ref().as_ptr().add(AT)) }, PhantomData)
         }
         #[inline(always)]
-        fn store(self, m: &mut Block) {
-            unsafe { _mm256_store_pd(m.0.as_mut_ptr().add(AT), self.0) }
+        fn store(self, m: &mut M) {
+            unsafe { _mm256_storeu_pd(m.as_mut().as_mut_ptr().add(AT), self.0) }
         }
         #[inline(always)]
         fn from_words(words: &[Word; LANES]) -> Self {
-            Self(unsafe {
-                let k = _mm256_cvtepu32_epi64(_mm_loadu_si128(words.as_ptr().add(AT).cast()));
-                let bits = _mm256_or_si256(_mm256_slli_epi64::<20>(k), _mm256_set1_epi64x(ONE_BITS.cast_signed()));
-                _mm256_sub_pd(_mm256_castsi256_pd(bits), _mm256_set1_pd(WORD_SHIFT))
-            })
+            Self(
+                unsafe {
+                    let k = _mm256_cvtepu32_epi64(_mm_loadu_si128(words.as_ptr().add(AT).cast()));
+                    let bits = _mm256_or_si256(_mm256_slli_epi64::<20>(k), _mm256_set1_epi64x(ONE_BITS.cast_signed()));
+                    _mm256_sub_pd(_mm256_castsi256_pd(bits), _mm256_set1_pd(WORD_SHIFT))
+                },
+                PhantomData,
+            )
         }
         #[inline(always)]
         fn fma(self, b: Self, c: Self) -> Self {
-            Self(unsafe { _mm256_fmadd_pd(self.0, b.0, c.0) })
+            Self(unsafe { _mm256_fmadd_pd(self.0, b.0, c.0) }, PhantomData)
         }
         #[inline(always)]
         fn fnma(self, b: Self, c: Self) -> Self {
-            Self(unsafe { _mm256_fnmadd_pd(self.0, b.0, c.0) })
+            Self(unsafe { _mm256_fnmadd_pd(self.0, b.0, c.0) }, PhantomData)
         }
         #[inline(always)]
         fn sqrt(self) -> Self {
-            Self(unsafe { _mm256_sqrt_pd(self.0) })
+            Self(unsafe { _mm256_sqrt_pd(self.0) }, PhantomData)
         }
         #[inline(always)]
         fn max(self, o: Self) -> Self {
-            Self(unsafe { _mm256_max_pd(self.0, o.0) })
+            Self(unsafe { _mm256_max_pd(self.0, o.0) }, PhantomData)
         }
         #[inline(always)]
         fn min(self, o: Self) -> Self {
-            Self(unsafe { _mm256_min_pd(self.0, o.0) })
+            Self(unsafe { _mm256_min_pd(self.0, o.0) }, PhantomData)
         }
         #[inline(always)]
         fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self {
-            Self(unsafe {
-                let mask = _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_set1_pd(limit));
-                _mm256_blendv_pd(no.0, yes.0, mask)
-            })
+            Self(
+                unsafe {
+                    let mask = _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_set1_pd(limit));
+                    _mm256_blendv_pd(no.0, yes.0, mask)
+                },
+                PhantomData,
+            )
         }
         #[inline(always)]
         fn select_odd(t: Self, yes: Self, no: Self) -> Self {
-            Self(unsafe {
-                let mask = _mm256_slli_epi64::<63>(_mm256_castpd_si256(t.0));
-                _mm256_blendv_pd(no.0, yes.0, _mm256_castsi256_pd(mask))
-            })
+            Self(
+                unsafe {
+                    let mask = _mm256_slli_epi64::<63>(_mm256_castpd_si256(t.0));
+                    _mm256_blendv_pd(no.0, yes.0, _mm256_castsi256_pd(mask))
+                },
+                PhantomData,
+            )
         }
         #[inline(always)]
         fn negate_by_bit1(self, t: Self) -> Self {
-            Self(unsafe {
-                let sign = _mm256_and_si256(
-                    _mm256_slli_epi64::<62>(_mm256_castpd_si256(t.0)),
-                    _mm256_set1_epi64x(SIGN.cast_signed()),
-                );
-                _mm256_xor_pd(self.0, _mm256_castsi256_pd(sign))
-            })
+            Self(
+                unsafe {
+                    let sign = _mm256_and_si256(
+                        _mm256_slli_epi64::<62>(_mm256_castpd_si256(t.0)),
+                        _mm256_set1_epi64x(SIGN.cast_signed()),
+                    );
+                    _mm256_xor_pd(self.0, _mm256_castsi256_pd(sign))
+                },
+                PhantomData,
+            )
         }
         #[inline(always)]
         fn half_pow2(t: Self) -> Self {
-            Self(unsafe {
-                let k = _mm256_slli_epi64::<52>(_mm256_castpd_si256(t.0));
-                _mm256_castsi256_pd(_mm256_add_epi64(k, _mm256_set1_epi64x(HALF_BITS.cast_signed())))
-            })
+            Self(
+                unsafe {
+                    let k = _mm256_slli_epi64::<52>(_mm256_castpd_si256(t.0));
+                    _mm256_castsi256_pd(_mm256_add_epi64(k, _mm256_set1_epi64x(HALF_BITS.cast_signed())))
+                },
+                PhantomData,
+            )
         }
         #[inline(always)]
         fn exponent_mantissa(self) -> (Self, Self) {
@@ -771,8 +888,8 @@ mod x86 {
                     _mm256_set1_epi64x(ONE_BITS.cast_signed()),
                 );
                 (
-                    Self(_mm256_sub_pd(_mm256_castsi256_pd(e), _mm256_set1_pd(TWO52_PLUS_BIAS))),
-                    Self(_mm256_castsi256_pd(m)),
+                    Self(_mm256_sub_pd(_mm256_castsi256_pd(e), _mm256_set1_pd(TWO52_PLUS_BIAS)), PhantomData),
+                    Self(_mm256_castsi256_pd(m), PhantomData),
                 )
             }
         }
