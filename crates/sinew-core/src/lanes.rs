@@ -6,7 +6,7 @@
 //! |---|---|---|
 //! | one `__m512d` | AVX-512 (F, DQ, VL, BW) | [`Block`] |
 //! | one `__m256d`, for half of the block and then for the other half | AVX2 and FMA | [`Block`], or `[f64; 4]` ([`map_block`]) |
-//! | `[f64; 8]` or `[f64; 2]`, vectorised by the compiler | any (SSE2, NEON, wasm) | [`Block`], or `[f64; 2]` ([`map_block`]) |
+//! | `[f64; 8]` or `[f64; 4]`, vectorised by the compiler | any (SSE2, NEON, wasm) | [`Block`], or `[f64; 4]` ([`map_block`]) |
 //! | one `f64` with or without fused multiply-add | as above | `f64` |
 //!
 //! Every function from [`Kernel::run`] down carries `#[inline(always)]`, which [`inlined!`](crate::inlined) writes: one that stays outside the entry point is compiled without the
@@ -33,7 +33,7 @@
 //! ```
 #![allow(unsafe_code)]
 
-use crate::groups::{in_groups, one_in_a_group};
+use crate::groups::{Group, in_groups, one_in_a_group};
 use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -284,12 +284,12 @@ pub fn map_block<const I: usize, const O: usize, F: LaneMap<I, O>>(
         #[cfg(target_arch = "x86_64")]
         Kind::Avx512 => unsafe { x86::map_on_avx512(map, input, output, ws) },
         #[cfg(target_arch = "x86_64")]
-        Kind::Avx2 => in_groups(LANES, input, output, numbers_mut(ws).as_chunks_mut().0, |input, output, ws| {
+        Kind::Avx2 => in_groups(input, output, numbers_mut(ws).as_chunks_mut().0, |input, output, ws| {
             // SAFETY: as in `dispatch`.
             unsafe { x86::map_on_avx2(map, input, output, ws) }
         }),
-        Kind::Baseline => in_groups(LANES, input, output, numbers_mut(ws).as_chunks_mut().0, |input, output, ws| {
-            map_on_pairs(map, input, output, ws);
+        Kind::Baseline => in_groups(input, output, numbers_mut(ws).as_chunks_mut().0, |input, output, ws| {
+            map_on_baseline(map, input, output, ws);
         }),
     }
 }
@@ -309,25 +309,25 @@ pub fn map_one<const I: usize, const O: usize, F: LaneMap<I, O>>(
             unsafe { x86::map_on_avx2(map, input, output, ws) }
         }),
         Kind::Baseline => {
-            one_in_a_group(input, output, workspace, |input, output, ws| map_on_pairs(map, input, output, ws));
+            one_in_a_group(input, output, workspace, |input, output, ws| map_on_baseline(map, input, output, ws));
         }
     }
 }
 
 #[inline(never)]
-fn map_on_pairs<const I: usize, const O: usize, F: LaneMap<I, O>>(
+fn map_on_baseline<const I: usize, const O: usize, F: LaneMap<I, O>>(
     map: &F,
-    input: [&[[f64; 2]]; I],
-    output: [&mut [[f64; 2]]; O],
-    ws: &mut [[f64; 2]],
+    input: [&[Group]; I],
+    output: [&mut [Group]; O],
+    ws: &mut [Group],
 ) {
-    map.run::<A2>(input, output, ws);
+    map.run::<A4>(input, output, ws);
 }
 
-/// What a group of states lies in.
+/// What states lie in.
 trait Memory: Copy + AsRef<[f64]> + AsMut<[f64]> {}
 impl Memory for Block {}
-impl<const N: usize> Memory for [f64; N] {}
+impl Memory for Group {}
 
 impl AsRef<[f64]> for Block {
     #[inline(always)]
@@ -351,9 +351,9 @@ pub struct One(pub f64);
 #[derive(Clone, Copy)]
 struct A8([f64; LANES]);
 
-/// A pair of states: of numbers as wide as those of the baseline's registers.
+/// A group of states, likewise.
 #[derive(Clone, Copy)]
-struct A2([f64; 2]);
+struct A4(Group);
 
 #[inline(always)]
 fn from_word(word: Word) -> f64 {
@@ -590,13 +590,13 @@ macro_rules! array_of_lanes {
     };
 }
 array_of_lanes!(A8, Block, [0 1 2 3 4 5 6 7]);
-array_of_lanes!(A2, [f64; 2], [0 1]);
+array_of_lanes!(A4, Group, [0 1 2 3]);
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use super::{
-        Add, Block, Div, HALF_BITS, Kernel, LANES, LaneMap, MANTISSA, Memory, Mul, Neg, ONE_BITS, PhantomData, Real,
-        SIGN, Sub, TWO52_BITS, TWO52_PLUS_BIAS, WORD_SHIFT, Word, exponent, from_word, half_pow2, mantissa,
+        Add, Block, Div, Group, HALF_BITS, Kernel, LANES, LaneMap, MANTISSA, Memory, Mul, Neg, ONE_BITS, PhantomData,
+        Real, SIGN, Sub, TWO52_BITS, TWO52_PLUS_BIAS, WORD_SHIFT, Word, exponent, from_word, half_pow2, mantissa,
         negate_by_bit1, odd,
     };
     use core::arch::x86_64::*;
@@ -626,11 +626,11 @@ mod x86 {
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
     pub(super) fn map_on_avx2<const I: usize, const O: usize, F: LaneMap<I, O>>(
         map: &F,
-        input: [&[[f64; 4]]; I],
-        output: [&mut [[f64; 4]]; O],
-        ws: &mut [[f64; 4]],
+        input: [&[Group]; I],
+        output: [&mut [Group]; O],
+        ws: &mut [Group],
     ) {
-        map.run::<Y4<0, [f64; 4]>>(input, output, ws);
+        map.run::<Y4<0, Group>>(input, output, ws);
     }
 
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
@@ -952,6 +952,42 @@ mod tests {
         assert_eq!((baseline[13].0[3], baseline[14].0[3]), (2.0, 1.125));
         for isa in Isa::available() {
             assert_eq!(run(isa), baseline, "{}", isa.name());
+        }
+    }
+
+    /// a b + 1 + a, and a b + 1.
+    struct Both;
+    impl LaneMap<2, 2> for Both {
+        #[inline(always)]
+        fn run<V: Real>(&self, [a, b]: [&[V::Mem]; 2], [sums, products]: [&mut [V::Mem]; 2], ws: &mut [V::Mem]) {
+            for ((a, b), scratch) in a.iter().zip(b).zip(&mut *ws) {
+                V::load(a).fma(V::load(b), V::splat(1.0)).store(scratch);
+            }
+            for (((scratch, a), sum), product) in ws.iter().zip(a).zip(sums).zip(products) {
+                (V::load(scratch) + V::load(a)).store(sum);
+                V::load(scratch).store(product);
+            }
+        }
+    }
+
+    #[test]
+    fn maps_are_the_same_for_each_state_of_a_block_and_for_one() {
+        let a: Vec<Block> =
+            (0..3).map(|k| Block([0, 1, 2, 3, 4, 5, 6, 7].map(|lane| f64::from(8 * k + lane)))).collect();
+        let b: Vec<Block> = a.iter().map(|block| Block(block.0.map(|x| 0.5 - x))).collect();
+        for isa in Isa::available() {
+            let (mut sums, mut products) = ([Block::ZERO; 3], [Block::ZERO; 3]);
+            map_block(isa, &Both, [&a, &b], [&mut sums, &mut products], &mut [Block::ZERO; 3]);
+            for lane in 0..LANES {
+                let one = |blocks: &[Block]| blocks.iter().map(|block| block.0[lane]).collect::<Vec<f64>>();
+                let (mut sum, mut product) = ([0.0; 3], [0.0; 3]);
+                map_one(isa, &Both, [&one(&a), &one(&b)], [&mut sum, &mut product], 3);
+                assert_eq!((one(&sums), one(&products)), (sum.to_vec(), product.to_vec()), "{}", isa.name());
+                for (k, (sum, product)) in sum.into_iter().zip(product).enumerate() {
+                    let x = (8 * k + lane) as f64;
+                    assert_eq!((sum, product), (x * (0.5 - x) + 1.0 + x, x * (0.5 - x) + 1.0));
+                }
+            }
         }
     }
 
