@@ -19,7 +19,7 @@ thread_local! {
 /// Bytes of a line of the processor's cache, which no register read crosses.
 const LINE: usize = 64;
 
-/// Calls `of_copies` with this thread's memory for at least so many groups; their values mean nothing.
+/// Calls `of_copies` with this thread's memory for at least so many groups; their values mean nothing, and are no numbers where assertions are checked: tests see who reads them or leaves them.
 fn with_copies(length: usize, of_copies: impl FnOnce(&mut [Group])) {
     COPIES.with(|kept| {
         // Work within work finds none, and makes its own.
@@ -27,6 +27,9 @@ fn with_copies(length: usize, of_copies: impl FnOnce(&mut [Group])) {
         let needed = GROUP * length + LINE / size_of::<f64>();
         if copies.len() < needed {
             copies.resize(needed, 0.0);
+        }
+        if cfg!(debug_assertions) {
+            copies.fill(f64::NAN);
         }
         let first = copies.as_ptr().align_offset(LINE);
         of_copies(copies[first..].as_chunks_mut().0);
