@@ -32,12 +32,10 @@ pub fn scale(motion: &Trajectories, segments: &[(&str, &str)], how: Scale) -> Re
 }
 
 fn sum_of_medians(motion: &Trajectories, segments: &[(&str, &str)]) -> Result<f64, FollowError> {
-    if motion.frames.is_empty() {
-        return Err(FollowError::NoFrames);
-    }
     let median_length = |(from, to): &(&str, &str)| {
         let (a, b) = (motion.column(from)?, motion.column(to)?);
-        Ok(median(&mut motion.frames.iter().map(|frame| distance(frame[a], frame[b])).collect::<Vec<_>>()))
+        let mut all: Vec<f64> = motion.frames.iter().map(|frame| distance(frame[a], frame[b])).collect();
+        if all.is_empty() { Err(FollowError::NoFrames) } else { Ok(median(&mut all)) }
     };
     segments.iter().map(median_length).sum()
 }
