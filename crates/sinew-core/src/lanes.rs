@@ -13,7 +13,7 @@
 //! instruction set, and each of its operations becomes a call. For the same reason kernels use plain loops, never `array::from_fn` or `map` on arrays.
 //!
 //! This is the only file of the workspace with `unsafe`: loads and stores of aligned blocks, blocks seen as numbers, intrinsics (each needs only the
-//! feature of its entry point) and the three calls into the entry points (guarded by detection, since [`Isa`] can be made in no other way).
+//! feature of its entry point) and the calls into the entry points (guarded by detection, since [`Isa`] can be made in no other way).
 //!
 //! The fused multiply-add rounds once, the baseline's multiply-then-add twice. So the same set gives the same bits, and two sets agree to rounding only.
 //!
@@ -651,8 +651,9 @@ mod x86 {
     #[derive(Clone, Copy)]
     pub(super) struct Y4<const AT: usize, M = Block>(__m256d, PhantomData<M>);
 
-    // SAFETY of all intrinsics below: these types are private to this module and constructed only inside the two entry
-    // points, which enable every feature named by the intrinsics. Blocks are 64-byte aligned by their type; `AT` is 0 or 4.
+    // SAFETY of all intrinsics below: these types are private to this module and constructed only inside the entry points
+    // above, which enable every feature named by the intrinsics. Blocks are 64-byte aligned by their type; four numbers are
+    // read and written unaligned, from slices that hold them; `AT` is 0 or 4.
 
     macro_rules! z8_operator {
         ($trait:ident, $fn:ident, $intrinsic:ident) => {
@@ -798,11 +799,11 @@ mod x86 {
         }
         #[inline(always)]
         fn load(m: &M) -> Self {
-            Self(unsafe { _mm256_loadu_pd(m.as_ref().as_ptr().add(AT)) }, PhantomData)
+            Self(unsafe { _mm256_loadu_pd(m.as_ref()[AT..AT + 4].as_ptr()) }, PhantomData)
         }
         #[inline(always)]
         fn store(self, m: &mut M) {
-            unsafe { _mm256_storeu_pd(m.as_mut().as_mut_ptr().add(AT), self.0) }
+            unsafe { _mm256_storeu_pd(m.as_mut()[AT..AT + 4].as_mut_ptr(), self.0) }
         }
         #[inline(always)]
         fn from_words(words: &[Word; LANES]) -> Self {

@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_variant_holds_is_looked_into() {
+    fn errors_within_errors_are_checked() {
         let of = |held: &str| missing(&format!("match x {{ Error::A | Error::B {{ .. }} => 1, {held}, _ => 0 }}"));
         assert_eq!(of("Error::C(AbError::D) => 2"), ["AbError::E"]);
         assert_eq!(of("Error::C(AbError::D) => 2, Error::C(AbError::E(_)) => 3"), [""; 0]);

@@ -67,6 +67,9 @@ pub(super) fn strides(walk: &Walk, events: &[GaitEvent]) -> Vec<Stride> {
     let offs = [0, 1].map(|side| own(side, GaitEventKind::ToeOff).collect::<Vec<_>>());
     let between = |pair: &[&GaitEvent]| pair[1].time_s - pair[0].time_s;
     let mut times: Vec<f64> = strikes.iter().flat_map(|own| own.windows(2).map(between)).collect();
+    if times.is_empty() {
+        return vec![];
+    }
     let usual_s = median(&mut times);
     let contacts = [0, 1].map(|side: usize| {
         let place = |event: &GaitEvent| place(walk, &walk.feet[side].heel.1, event.time_s, usual_s);
