@@ -35,10 +35,11 @@ use sinew::Error;
 use sinew::body::standard::EVALUATION_JOINTS;
 use sinew::body::{KinematicTree, Proportions};
 use sinew::config::settings::Settings;
+use sinew::core::estimators::median;
 use sinew::formats::Layout;
 use sinew::input::source::FrameSource;
+use sinew::observe::Camera;
 use sinew::observe::association::Person;
-use sinew::observe::{Camera, cameras::offsets};
 use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::{self, Doubt, Pipeline, Spool};
 use sinew::tracking::posterior::Posterior;
@@ -246,7 +247,7 @@ pub fn pixel_errors(
         out
     };
     let known = differences(offset);
-    let shift = [0, 1].map(|a: usize| offsets::median(&mut known.iter().map(|d| d[a]).collect::<Vec<_>>()));
+    let shift = [0, 1].map(|a: usize| median(&mut known.iter().map(|d| d[a]).collect::<Vec<_>>()));
     let mut distances: Vec<f64> =
         differences(judged).iter().map(|d| (d[0] - shift[0]).hypot(d[1] - shift[1])).collect();
     distances.sort_by(f64::total_cmp);

@@ -4,6 +4,7 @@
 
 mod cycles;
 mod dependencies;
+mod error_kinds;
 mod layers;
 mod leftovers;
 mod links;
@@ -20,7 +21,7 @@ use std::process::ExitCode;
 use workspace::{Rule, Violation, read};
 
 /// Rules by name.
-const RULES: [(&str, Rule); 10] = [
+const RULES: [(&str, Rule); 11] = [
     ("layers", layers::check),
     ("purity", purity::check),
     ("leftovers", leftovers::check),
@@ -31,6 +32,7 @@ const RULES: [(&str, Rule); 10] = [
     ("dependencies", dependencies::check),
     ("pages", pages::check),
     ("words", words::check),
+    ("error kinds", error_kinds::check),
 ];
 
 /// Checks all rules and prints what does not hold.

@@ -13,6 +13,7 @@ use sinew_setup::SetupError;
 
 /// Everything that ends an analysis early.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// A recording, result or prediction that cannot be used.
     #[error(transparent)]

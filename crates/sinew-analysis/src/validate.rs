@@ -6,9 +6,9 @@
 //! covariance that a keypoint has once this shift is taken off.
 
 use sinew::predict::{CameraPrediction, Predicted};
+use sinew_core::estimators::{mean, median};
 use sinew_formats::svg::{Anchor, Svg};
 use sinew_observe::association::Person;
-use sinew_observe::cameras::offsets::median;
 use std::fmt::Write as _;
 
 /// Detections of lower confidence are not compared.
@@ -52,7 +52,7 @@ impl ObservationTally {
     /// Mean log density.
     #[must_use]
     pub fn log_score(&self) -> f64 {
-        self.log_scores.iter().sum::<f64>() / self.log_scores.len() as f64
+        mean(&self.log_scores)
     }
 
     /// Mean distance of the reliability curve from what it should be (Cotton and co-workers, arXiv 2601.22412).

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 /// Everything that ends a step of a study early.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// What ends a run early.
     #[error(transparent)]

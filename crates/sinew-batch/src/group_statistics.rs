@@ -5,6 +5,7 @@
 
 use super::angle_draws::AngleOverTime;
 use super::trial_table::quoted;
+use sinew::core::estimators::{mean, quantile};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -44,7 +45,7 @@ impl RunningMean {
             }
         }
         self.trials += 1;
-        let own = draws.iter().sum::<f64>() / draws.len() as f64;
+        let own = mean(draws);
         let step = own - self.middle;
         self.middle += step / self.trials as f64;
         self.squares += step * (own - self.middle);
@@ -54,9 +55,8 @@ impl RunningMean {
     fn statistics(&self) -> (f64, [f64; 2], f64) {
         let mut means: Vec<f64> = self.sums.iter().map(|sum| sum / self.trials as f64).collect();
         means.sort_by(f64::total_cmp);
-        let mean = means.iter().sum::<f64>() / means.len() as f64;
         let between = (self.squares / (self.trials as f64 - 1.0)).sqrt();
-        (mean, [0.05, 0.95].map(|p| quantile(&means, p)), between)
+        (mean(&means), [0.05, 0.95].map(|p| quantile(&means, p)), between)
     }
 }
 
@@ -92,13 +92,6 @@ impl Groups {
         };
         self.0.iter().flat_map(statistics_in).collect()
     }
-}
-
-/// Quantile of sorted numbers, on the line between two of them; NaN of none.
-fn quantile(sorted: &[f64], p: f64) -> f64 {
-    let at = p * sorted.len().saturating_sub(1) as f64;
-    let [low, high] = [at.floor(), at.ceil()].map(|at| sorted.get(at as usize).copied().unwrap_or(f64::NAN));
-    low + (high - low) * at.fract()
 }
 
 /// The statistics as a table.

@@ -2,6 +2,7 @@
 
 use crate::Error;
 use crate::{KinematicTree, Plan, point_positions};
+use sinew_core::estimators::mean;
 use sinew_core::lanes::Isa;
 
 /// Positions of named points, frame by frame.
@@ -79,7 +80,7 @@ pub fn mean_distance(a: &Trajectories, b: &Trajectories) -> f64 {
     let frames = a.frames.iter().zip(&b.frames);
     let apart: Vec<f64> =
         frames.flat_map(|(a, b)| pairs.iter().map(|&(i, j)| distance(a[i], b[j])).collect::<Vec<_>>()).collect();
-    apart.iter().sum::<f64>() / apart.len() as f64
+    mean(&apart)
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@
 
 pub use crate::sizes::{SIZES, Size, scaled};
 use crate::standard::Proportions;
-use sinew_core::estimators::median;
+use sinew_core::estimators::{mean, median};
 
 /// Sizes with what is known about them.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,7 +70,7 @@ impl Points<'_> {
     fn both(&self, a: &str, b: &str) -> Option<f64> {
         let sides: Vec<f64> =
             ["L", "R"].iter().filter_map(|s| self.length(&format!("{s}{a}"), &format!("{s}{b}"))).collect();
-        (!sides.is_empty()).then(|| sides.iter().sum::<f64>() / sides.len() as f64)
+        (!sides.is_empty()).then(|| mean(&sides))
     }
 
     fn trunk(&self) -> Option<f64> {

@@ -1,7 +1,7 @@
 //! What is said of studies of many trials that cannot go on: advice and exit codes.
 
 use sinew_batch::Error;
-use sinew_words::exit_codes::{FILES, INPUT, USAGE, run};
+use sinew_words::exit_codes::{FAILED, FILES, INPUT, USAGE, run};
 
 /// What the user can do about an error of a study.
 pub(crate) fn help(error: &Error) -> Option<String> {
@@ -21,6 +21,7 @@ pub(crate) fn help(error: &Error) -> Option<String> {
         Error::UnlikeTrials { .. } => {
             "give `subject` only to trials with the same cameras and keypoints, or different names"
         }
+        _ => return None,
     };
     Some(words.to_owned())
 }
@@ -32,5 +33,6 @@ pub(crate) const fn exit_code(error: &Error) -> u8 {
         Error::UnlikeTrials { .. } | Error::NoTrials(_) | Error::NotPacked { .. } => INPUT,
         Error::ShardInUse { .. } => FILES,
         Error::NotAStudy(_) | Error::StudyFile { .. } => USAGE,
+        _ => FAILED,
     }
 }

@@ -10,7 +10,9 @@
 
 use crate::Error;
 use crate::density::Lanes;
-use crate::lanes::{Block, Isa, Kernel, Real, dispatch, dispatch_one, each_lane, get_lane, splat, triangle};
+use crate::lanes::{
+    Block, Isa, Kernel, LaneMap, Real, dispatch, each_lane, get_lane, map_block, map_one, splat, triangle,
+};
 use std::sync::Arc;
 
 /// A differentiable map.
@@ -160,54 +162,33 @@ impl Kernel<Block> for Congruence<'_> {
     }
 }
 
-struct Decoding<'a, T, M> {
-    leaf: &'a T,
-    x: &'a [M],
-    out: &'a mut [M],
-    ws: &'a mut [M],
-}
+struct Decoding<'a, T>(&'a T);
 
-struct Pulling<'a, T, M> {
-    leaf: &'a T,
-    x: &'a [M],
-    grad_out: &'a [M],
-    grad: &'a mut [M],
-    ws: &'a mut [M],
-}
-
-macro_rules! on_lanes_and_on_one {
-    ($($memory:ty),*) => {$(
-        impl<T: LaneDecode> Kernel<$memory> for Decoding<'_, T, $memory> {
-            #[inline(always)]
-            fn run<V: Real<Mem = $memory>>(&mut self) {
-                self.leaf.decode::<V>(self.x, self.out, self.ws);
-            }
-        }
-        impl<T: LaneDecode> Kernel<$memory> for Pulling<'_, T, $memory> {
-            #[inline(always)]
-            fn run<V: Real<Mem = $memory>>(&mut self) {
-                self.leaf.pullback::<V>(self.x, self.grad_out, self.grad, self.ws);
-            }
-        }
-    )*};
-}
-on_lanes_and_on_one!(Block, f64);
-
-struct PullingMatrix<'a, T> {
-    leaf: &'a T,
-    x: &'a [Block],
-    matrix_out: &'a [Block],
-    matrix: &'a mut [Block],
-    ws: &'a mut [Block],
-}
-
-impl<T: LaneDecode> Kernel<Block> for PullingMatrix<'_, T> {
+impl<T: LaneDecode> LaneMap<1, 1> for Decoding<'_, T> {
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(&mut self) {
-        let m = self.leaf.target_dim();
-        let (jacobian, ws) = self.ws.split_at_mut(m * self.leaf.source_dim());
-        self.leaf.jacobian::<V>(self.x, jacobian, ws);
-        congruence::<V>(jacobian, self.matrix_out, &mut ws[..m], self.matrix);
+    fn run<V: Real>(&self, [x]: [&[V::Mem]; 1], [out]: [&mut [V::Mem]; 1], ws: &mut [V::Mem]) {
+        self.0.decode::<V>(x, out, ws);
+    }
+}
+
+struct Pulling<'a, T>(&'a T);
+
+impl<T: LaneDecode> LaneMap<2, 1> for Pulling<'_, T> {
+    #[inline(always)]
+    fn run<V: Real>(&self, [x, grad_out]: [&[V::Mem]; 2], [grad]: [&mut [V::Mem]; 1], ws: &mut [V::Mem]) {
+        self.0.pullback::<V>(x, grad_out, grad, ws);
+    }
+}
+
+struct PullingMatrix<'a, T>(&'a T);
+
+impl<T: LaneDecode> LaneMap<2, 1> for PullingMatrix<'_, T> {
+    #[inline(always)]
+    fn run<V: Real>(&self, [x, matrix_out]: [&[V::Mem]; 2], [matrix]: [&mut [V::Mem]; 1], ws: &mut [V::Mem]) {
+        let m = self.0.target_dim();
+        let (jacobian, ws) = ws.split_at_mut(m * self.0.source_dim());
+        self.0.jacobian::<V>(x, jacobian, ws);
+        congruence::<V>(jacobian, matrix_out, &mut ws[..m], matrix);
     }
 }
 
@@ -222,24 +203,22 @@ impl<T: LaneDecode> Decode for Lanes<T> {
         self.leaf.workspace()
     }
     fn decode_block(&self, x: &[Block], out: &mut [Block], ws: &mut [Block]) {
-        dispatch(self.isa, Decoding { leaf: &self.leaf, x, out, ws });
+        map_block(self.isa, &Decoding(&self.leaf), [x], [out], ws);
     }
     fn pullback_block(&self, x: &[Block], grad_out: &[Block], grad: &mut [Block], ws: &mut [Block]) {
-        dispatch(self.isa, Pulling { leaf: &self.leaf, x, grad_out, grad, ws });
+        map_block(self.isa, &Pulling(&self.leaf), [x, grad_out], [grad], ws);
     }
     fn pullback_matrix_block(&self, x: &[Block], matrix_out: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
-        dispatch(self.isa, PullingMatrix { leaf: &self.leaf, x, matrix_out, matrix, ws });
+        map_block(self.isa, &PullingMatrix(&self.leaf), [x, matrix_out], [matrix], ws);
     }
     fn encode(&self, decoded: &[f64]) -> Option<Vec<f64>> {
         self.leaf.encode(decoded)
     }
     fn decode(&self, x: &[f64], out: &mut [f64]) {
-        let ws = &mut vec![0.0; self.leaf.workspace()];
-        dispatch_one(self.isa, Decoding { leaf: &self.leaf, x, out, ws });
+        map_one(self.isa, &Decoding(&self.leaf), [x], [out], self.leaf.workspace());
     }
     fn pullback(&self, x: &[f64], grad_out: &[f64], grad: &mut [f64]) {
-        let ws = &mut vec![0.0; self.leaf.workspace()];
-        dispatch_one(self.isa, Pulling { leaf: &self.leaf, x, grad_out, grad, ws });
+        map_one(self.isa, &Pulling(&self.leaf), [x, grad_out], [grad], self.leaf.workspace());
     }
 }
 

@@ -10,7 +10,7 @@
 //! 4. A gradient is overwritten, never added to; where the value is −∞ its content is unspecified.
 //! 5. The content of a workspace before and after a call means nothing.
 
-use crate::lanes::{Block, Isa, Kernel, Real, dispatch, dispatch_one, each_lane, get_lane, splat, triangle};
+use crate::lanes::{Block, Isa, LaneMap, Real, each_lane, get_lane, map_block, map_one, splat, triangle};
 
 /// A log density on ℝᵈ, up to a constant that does not depend on the state.
 pub trait LogDensity: Sync {
@@ -243,56 +243,33 @@ pub struct Lanes<T> {
     pub isa: Isa,
 }
 
-struct Eval<'a, T, M, const GRAD: bool> {
-    leaf: &'a T,
-    x: &'a [M],
-    grad: &'a mut [M],
-    ws: &'a mut [M],
-    value: &'a mut M,
-}
+struct Eval<'a, T, const GRAD: bool>(&'a T);
 
-impl<T: LaneDensity, const GRAD: bool> Kernel<Block> for Eval<'_, T, Block, GRAD> {
+impl<T: LaneDensity, const GRAD: bool> LaneMap<1, 2> for Eval<'_, T, GRAD> {
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(&mut self) {
-        self.leaf.eval::<V, GRAD>(self.x, self.grad, self.ws).store(self.value);
+    fn run<V: Real>(&self, [x]: [&[V::Mem]; 1], [grad, value]: [&mut [V::Mem]; 2], ws: &mut [V::Mem]) {
+        self.0.eval::<V, GRAD>(x, grad, ws).store(&mut value[0]);
     }
 }
 
-impl<T: LaneDensity, const GRAD: bool> Kernel<f64> for Eval<'_, T, f64, GRAD> {
+struct Diagonal<'a, T>(&'a T);
+
+impl<T: LaneGaussNewton> LaneMap<1, 1> for Diagonal<'_, T> {
     #[inline(always)]
-    fn run<V: Real<Mem = f64>>(&mut self) {
-        self.leaf.eval::<V, GRAD>(self.x, self.grad, self.ws).store(self.value);
+    fn run<V: Real>(&self, [x]: [&[V::Mem]; 1], [diagonal]: [&mut [V::Mem]; 1], ws: &mut [V::Mem]) {
+        self.0.gauss_newton_diagonal::<V>(x, diagonal, ws);
     }
 }
 
-struct Diagonal<'a, T> {
-    leaf: &'a T,
-    x: &'a [Block],
-    diagonal: &'a mut [Block],
-    ws: &'a mut [Block],
-}
+struct Matrix<'a, T, const WEIGHTED: bool>(&'a T);
 
-impl<T: LaneGaussNewton> Kernel<Block> for Diagonal<'_, T> {
+impl<T: LaneGaussNewton, const WEIGHTED: bool> LaneMap<1, 1> for Matrix<'_, T, WEIGHTED> {
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(&mut self) {
-        self.leaf.gauss_newton_diagonal::<V>(self.x, self.diagonal, self.ws);
-    }
-}
-
-struct Matrix<'a, T, const WEIGHTED: bool> {
-    leaf: &'a T,
-    x: &'a [Block],
-    matrix: &'a mut [Block],
-    ws: &'a mut [Block],
-}
-
-impl<T: LaneGaussNewton, const WEIGHTED: bool> Kernel<Block> for Matrix<'_, T, WEIGHTED> {
-    #[inline(always)]
-    fn run<V: Real<Mem = Block>>(&mut self) {
+    fn run<V: Real>(&self, [x]: [&[V::Mem]; 1], [matrix]: [&mut [V::Mem]; 1], ws: &mut [V::Mem]) {
         if WEIGHTED {
-            self.leaf.weighted_gauss_newton::<V>(self.x, self.matrix, self.ws);
+            self.0.weighted_gauss_newton::<V>(x, matrix, ws);
         } else {
-            self.leaf.gauss_newton::<V>(self.x, self.matrix, self.ws);
+            self.0.gauss_newton::<V>(x, matrix, ws);
         }
     }
 }
@@ -305,25 +282,22 @@ pub fn run_block<T: LaneDensity>(
     grad: Option<&mut [Block]>,
     ws: &mut [Block],
 ) -> Block {
-    let mut sum = Block::ZERO;
-    let value = &mut sum;
+    let mut value = [Block::ZERO];
     match grad {
-        Some(grad) => dispatch(isa, Eval::<_, _, true> { leaf, x, grad, ws, value }),
-        None => dispatch(isa, Eval::<_, _, false> { leaf, x, grad: &mut [], ws, value }),
+        Some(grad) => map_block(isa, &Eval::<_, true>(leaf), [x], [grad, &mut value], ws),
+        None => map_block(isa, &Eval::<_, false>(leaf), [x], [&mut [], &mut value], ws),
     }
-    sum
+    value[0]
 }
 
 /// [`LaneDensity::eval_one`].
 pub fn run_one<T: LaneDensity>(leaf: &T, isa: Isa, x: &[f64], grad: Option<&mut [f64]>) -> f64 {
-    let ws = &mut vec![0.0; leaf.workspace()];
-    let mut sum = 0.0;
-    let value = &mut sum;
+    let mut value = [0.0];
     match grad {
-        Some(grad) => dispatch_one(isa, Eval::<_, _, true> { leaf, x, grad, ws, value }),
-        None => dispatch_one(isa, Eval::<_, _, false> { leaf, x, grad: &mut [], ws, value }),
+        Some(grad) => map_one(isa, &Eval::<_, true>(leaf), [x], [grad, &mut value], leaf.workspace()),
+        None => map_one(isa, &Eval::<_, false>(leaf), [x], [&mut [], &mut value], leaf.workspace()),
     }
-    sum
+    value[0]
 }
 
 /// [`LaneGaussNewton::curvature_block`].
@@ -336,9 +310,9 @@ pub fn run_curvature<T: LaneGaussNewton>(
     ws: &mut [Block],
 ) {
     match which {
-        Curvature::Diagonal => dispatch(isa, Diagonal { leaf, x, diagonal: out, ws }),
-        Curvature::Matrix => dispatch(isa, Matrix::<_, false> { leaf, x, matrix: out, ws }),
-        Curvature::Weighted => dispatch(isa, Matrix::<_, true> { leaf, x, matrix: out, ws }),
+        Curvature::Diagonal => map_block(isa, &Diagonal(leaf), [x], [out], ws),
+        Curvature::Matrix => map_block(isa, &Matrix::<_, false>(leaf), [x], [out], ws),
+        Curvature::Weighted => map_block(isa, &Matrix::<_, true>(leaf), [x], [out], ws),
     }
 }
 

@@ -29,6 +29,7 @@
 //! assert!(rank_r_hat(&[&here, &away]) > 1.2 && bulk_ess(&[&here, &away]) < 30.0);
 //! ```
 
+use crate::estimators::{median, quantile};
 use crate::lanes::LANES;
 use std::cmp::Ordering;
 
@@ -181,9 +182,7 @@ pub fn split_r_hat<C: AsRef<[f64]>>(chains: &[C]) -> f64 {
 #[must_use]
 pub fn rank_r_hat<C: AsRef<[f64]>>(chains: &[C]) -> f64 {
     let Some(halves) = Halves::new(chains) else { return f64::NAN };
-    let mut all = halves.values.clone();
-    all.sort_by(f64::total_cmp);
-    let median = 0.5 * (all[(all.len() - 1) / 2] + all[all.len() / 2]);
+    let median = median(&mut halves.values.clone());
     let folded = halves.map(|x| (x - median).abs());
     let [location, scale] = [halves, folded].map(|values| values.rank_normalised().r_hat());
     if location.is_nan() || scale.is_nan() { f64::NAN } else { location.max(scale) }
@@ -202,10 +201,7 @@ pub fn tail_ess<C: AsRef<[f64]>>(chains: &[C]) -> f64 {
     let mut all = pooled(chains);
     all.sort_by(f64::total_cmp);
     let [low, high] = [0.05, 0.95].map(|p| {
-        // The quantile between two order statistics.
-        let place = p * (all.len() - 1) as f64;
-        let (low, part) = (place.floor() as usize, place.fract());
-        let quantile = all[low] + part * (all[(low + 1).min(all.len() - 1)] - all[low]);
+        let quantile = quantile(&all, p);
         halves.map(|x| f64::from(u8::from(x <= quantile))).effective()
     });
     low.min(high)

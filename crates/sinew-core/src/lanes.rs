@@ -5,15 +5,15 @@
 //! | type | processor | memory |
 //! |---|---|---|
 //! | one `__m512d` | AVX-512 (F, DQ, VL, BW) | [`Block`] |
-//! | one `__m256d`, for half of the block and then for the other half | AVX2 and FMA | [`Block`] |
-//! | `[f64; 8]`, vectorised by the compiler | any (SSE2, NEON, wasm) | [`Block`] |
+//! | one `__m256d`, for half of the block and then for the other half | AVX2 and FMA | [`Block`], or `[f64; 4]` ([`map_block`]) |
+//! | `[f64; 8]` or `[f64; 4]`, vectorised by the compiler | any (SSE2, NEON, wasm) | [`Block`], or `[f64; 4]` ([`map_block`]) |
 //! | one `f64` with or without fused multiply-add | as above | `f64` |
 //!
 //! Every function from [`Kernel::run`] down carries `#[inline(always)]`, which [`inlined!`](crate::inlined) writes: one that stays outside the entry point is compiled without the
 //! instruction set, and each of its operations becomes a call. For the same reason kernels use plain loops, never `array::from_fn` or `map` on arrays.
 //!
 //! This is the only file of the workspace with `unsafe`: loads and stores of aligned blocks, blocks seen as numbers, intrinsics (each needs only the
-//! feature of its entry point) and the three calls into the entry points (guarded by detection, since [`Isa`] can be made in no other way).
+//! feature of its entry point) and the calls into the entry points (guarded by detection, since [`Isa`] can be made in no other way).
 //!
 //! The fused multiply-add rounds once, the baseline's multiply-then-add twice. So the same set gives the same bits, and two sets agree to rounding only.
 //!
@@ -34,6 +34,8 @@
 #![allow(unsafe_code)]
 
 use crate::chacha;
+use crate::groups::{Group, in_groups, one_in_a_group};
+use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Neg, Sub};
 use std::sync::OnceLock;
 
@@ -187,7 +189,7 @@ impl Isa {
 pub trait Real:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// How it lies in memory: [`Block`] for lanes, `f64` for one state.
+    /// How it lies in memory: [`Block`] for lanes, `f64` for one state, an array for a group of states.
     type Mem: Copy;
     /// Whether [`Real::fma`] rounds once.
     const FUSED: bool;
@@ -197,7 +199,7 @@ pub trait Real:
     fn load(m: &Self::Mem) -> Self;
     /// Writes to memory.
     fn store(self, m: &mut Self::Mem);
-    /// `(k + ½) · 2⁻³²` of the little-endian 32-bit number k of each lane (of the first, for one state).
+    /// `(k + ½) · 2⁻³²` of the little-endian 32-bit number k of each lane (of the first ones, for one state or a group).
     fn from_words(words: &[Word; LANES]) -> Self;
     /// `self · b + c`, fused where the set has it.
     fn fma(self, b: Self, c: Self) -> Self;
@@ -290,6 +292,84 @@ pub fn dispatch_one<K: Kernel<f64>>(isa: Isa, mut kernel: K) {
     }
 }
 
+/// Work that reads `I` arrays and writes `O` others: what takes long to compile or to run. It is compiled once for each instruction set, and not again for one state.
+pub trait LaneMap<const I: usize, const O: usize> {
+    /// The work; must be `#[inline(always)]`, like everything that it calls. Every entry of `output` is written, and none is read before. `ws` is at least as long as the caller's.
+    fn run<V: Real>(&self, input: [&[V::Mem]; I], output: [&mut [V::Mem]; O], ws: &mut [V::Mem]);
+}
+
+/// Runs work over a block of states. Where registers are narrower than a block, groups of states are copied out: code for a group is compiled once, and its values stay in registers.
+pub fn map_block<const I: usize, const O: usize, F: LaneMap<I, O>>(
+    isa: Isa,
+    map: &F,
+    input: [&[Block]; I],
+    output: [&mut [Block]; O],
+    ws: &mut [Block],
+) {
+    match isa.0 {
+        // SAFETY: as in `dispatch`.
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx512 => unsafe { x86::map_on_avx512(map, input, output, ws) },
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx2 => in_groups(input, output, numbers_mut(ws).as_chunks_mut().0, |input, output, ws| {
+            // SAFETY: as in `dispatch`.
+            unsafe { x86::map_on_avx2(map, input, output, ws) }
+        }),
+        Kind::Baseline => in_groups(input, output, numbers_mut(ws).as_chunks_mut().0, |input, output, ws| {
+            map_on_baseline(map, input, output, ws);
+        }),
+    }
+}
+
+/// Runs work on one state, with `workspace` numbers of scratch.
+pub fn map_one<const I: usize, const O: usize, F: LaneMap<I, O>>(
+    isa: Isa,
+    map: &F,
+    input: [&[f64]; I],
+    output: [&mut [f64]; O],
+    workspace: usize,
+) {
+    match isa.0 {
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx512 | Kind::Avx2 => one_in_a_group(input, output, workspace, |input, output, ws| {
+            // SAFETY: as in `dispatch`.
+            unsafe { x86::map_on_avx2(map, input, output, ws) }
+        }),
+        Kind::Baseline => {
+            one_in_a_group(input, output, workspace, |input, output, ws| map_on_baseline(map, input, output, ws));
+        }
+    }
+}
+
+#[inline(never)]
+fn map_on_baseline<const I: usize, const O: usize, F: LaneMap<I, O>>(
+    map: &F,
+    input: [&[Group]; I],
+    output: [&mut [Group]; O],
+    ws: &mut [Group],
+) {
+    map.run::<A4>(input, output, ws);
+}
+
+/// What states lie in.
+trait Memory: Copy + AsRef<[f64]> + AsMut<[f64]> {}
+impl Memory for Block {}
+impl Memory for Group {}
+
+impl AsRef<[f64]> for Block {
+    #[inline(always)]
+    fn as_ref(&self) -> &[f64] {
+        &self.0
+    }
+}
+
+impl AsMut<[f64]> for Block {
+    #[inline(always)]
+    fn as_mut(&mut self) -> &mut [f64] {
+        &mut self.0
+    }
+}
+
 /// One state, multiply then add: what runs over lanes, for a number by itself.
 #[derive(Clone, Copy)]
 pub struct One(pub f64);
@@ -297,6 +377,10 @@ pub struct One(pub f64);
 /// Eight states in an array, for the compiler to vectorise.
 #[derive(Clone, Copy)]
 struct A8([f64; LANES]);
+
+/// A group of states, likewise.
+#[derive(Clone, Copy)]
+struct A4(Group);
 
 #[inline(always)]
 fn from_word(word: Word) -> f64 {
@@ -430,119 +514,117 @@ macro_rules! one_state {
 
 one_state!(One, false, |a: f64, b: f64, c: f64| a * b + c);
 
-macro_rules! eachwise {
-    ($i:ident => $e:expr) => {{
-        let mut out = [0.0; LANES];
-        let mut $i = 0;
-        while $i < LANES {
-            out[$i] = $e;
-            $i += 1;
+// Written out: loops over lanes, some for each operation, take the compiler as long as all the rest.
+macro_rules! array_of_lanes {
+    ($name:ident, $memory:ty, [$($k:literal)*]) => {
+        impl Add for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn add(self, o: Self) -> Self {
+                Self([$(self.0[$k] + o.0[$k]),*])
+            }
         }
-        A8(out)
-    }};
+        impl Sub for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn sub(self, o: Self) -> Self {
+                Self([$(self.0[$k] - o.0[$k]),*])
+            }
+        }
+        impl Mul for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn mul(self, o: Self) -> Self {
+                Self([$(self.0[$k] * o.0[$k]),*])
+            }
+        }
+        impl Div for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn div(self, o: Self) -> Self {
+                Self([$(self.0[$k] / o.0[$k]),*])
+            }
+        }
+        impl Neg for $name {
+            type Output = Self;
+            #[inline(always)]
+            fn neg(self) -> Self {
+                Self([$(-self.0[$k]),*])
+            }
+        }
+        impl Real for $name {
+            type Mem = $memory;
+            const FUSED: bool = false;
+            #[inline(always)]
+            fn splat(x: f64) -> Self {
+                Self([x; [$($k),*].len()])
+            }
+            #[inline(always)]
+            fn load(m: &$memory) -> Self {
+                let m = m.as_ref();
+                Self([$(m[$k]),*])
+            }
+            #[inline(always)]
+            fn store(self, m: &mut $memory) {
+                let m = m.as_mut();
+                $(m[$k] = self.0[$k];)*
+            }
+            #[inline(always)]
+            fn from_words(words: &[Word; LANES]) -> Self {
+                Self([$(from_word(words[$k])),*])
+            }
+            #[inline(always)]
+            fn fma(self, b: Self, c: Self) -> Self {
+                Self([$(self.0[$k] * b.0[$k] + c.0[$k]),*])
+            }
+            #[inline(always)]
+            fn fnma(self, b: Self, c: Self) -> Self {
+                Self([$(c.0[$k] - self.0[$k] * b.0[$k]),*])
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                Self([$(self.0[$k].sqrt()),*])
+            }
+            #[inline(always)]
+            fn max(self, o: Self) -> Self {
+                Self([$(if self.0[$k] > o.0[$k] { self.0[$k] } else { o.0[$k] }),*])
+            }
+            #[inline(always)]
+            fn min(self, o: Self) -> Self {
+                Self([$(if self.0[$k] < o.0[$k] { self.0[$k] } else { o.0[$k] }),*])
+            }
+            #[inline(always)]
+            fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self {
+                Self([$(if self.0[$k] > limit { yes.0[$k] } else { no.0[$k] }),*])
+            }
+            #[inline(always)]
+            fn select_odd(t: Self, yes: Self, no: Self) -> Self {
+                Self([$(if odd(t.0[$k]) { yes.0[$k] } else { no.0[$k] }),*])
+            }
+            #[inline(always)]
+            fn negate_by_bit1(self, t: Self) -> Self {
+                Self([$(negate_by_bit1(self.0[$k], t.0[$k])),*])
+            }
+            #[inline(always)]
+            fn half_pow2(t: Self) -> Self {
+                Self([$(half_pow2(t.0[$k])),*])
+            }
+            #[inline(always)]
+            fn exponent_mantissa(self) -> (Self, Self) {
+                (Self([$(exponent(self.0[$k])),*]), Self([$(mantissa(self.0[$k])),*]))
+            }
+        }
+    };
 }
-
-impl Add for A8 {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, o: Self) -> Self {
-        eachwise!(i => self.0[i] + o.0[i])
-    }
-}
-impl Sub for A8 {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, o: Self) -> Self {
-        eachwise!(i => self.0[i] - o.0[i])
-    }
-}
-impl Mul for A8 {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, o: Self) -> Self {
-        eachwise!(i => self.0[i] * o.0[i])
-    }
-}
-impl Div for A8 {
-    type Output = Self;
-    #[inline(always)]
-    fn div(self, o: Self) -> Self {
-        eachwise!(i => self.0[i] / o.0[i])
-    }
-}
-impl Neg for A8 {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        eachwise!(i => -self.0[i])
-    }
-}
-impl Real for A8 {
-    type Mem = Block;
-    const FUSED: bool = false;
-    #[inline(always)]
-    fn splat(x: f64) -> Self {
-        Self([x; LANES])
-    }
-    #[inline(always)]
-    fn load(m: &Block) -> Self {
-        Self(m.0)
-    }
-    #[inline(always)]
-    fn store(self, m: &mut Block) {
-        m.0 = self.0;
-    }
-    #[inline(always)]
-    fn from_words(words: &[Word; LANES]) -> Self {
-        eachwise!(i => from_word(words[i]))
-    }
-    #[inline(always)]
-    fn fma(self, b: Self, c: Self) -> Self {
-        eachwise!(i => self.0[i] * b.0[i] + c.0[i])
-    }
-    #[inline(always)]
-    fn fnma(self, b: Self, c: Self) -> Self {
-        eachwise!(i => c.0[i] - self.0[i] * b.0[i])
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        eachwise!(i => self.0[i].sqrt())
-    }
-    #[inline(always)]
-    fn max(self, o: Self) -> Self {
-        eachwise!(i => if self.0[i] > o.0[i] { self.0[i] } else { o.0[i] })
-    }
-    #[inline(always)]
-    fn min(self, o: Self) -> Self {
-        eachwise!(i => if self.0[i] < o.0[i] { self.0[i] } else { o.0[i] })
-    }
-    #[inline(always)]
-    fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self {
-        eachwise!(i => if self.0[i] > limit { yes.0[i] } else { no.0[i] })
-    }
-    #[inline(always)]
-    fn select_odd(t: Self, yes: Self, no: Self) -> Self {
-        eachwise!(i => if odd(t.0[i]) { yes.0[i] } else { no.0[i] })
-    }
-    #[inline(always)]
-    fn negate_by_bit1(self, t: Self) -> Self {
-        eachwise!(i => negate_by_bit1(self.0[i], t.0[i]))
-    }
-    #[inline(always)]
-    fn half_pow2(t: Self) -> Self {
-        eachwise!(i => half_pow2(t.0[i]))
-    }
-    #[inline(always)]
-    fn exponent_mantissa(self) -> (Self, Self) {
-        (eachwise!(i => exponent(self.0[i])), eachwise!(i => mantissa(self.0[i])))
-    }
-}
+array_of_lanes!(A8, Block, [0 1 2 3 4 5 6 7]);
+array_of_lanes!(A4, Group, [0 1 2 3]);
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
     use super::{
-        Add, Block, Div, HALF_BITS, Kernel, LANES, MANTISSA, Mul, Neg, ONE_BITS, Real, SIGN, Sub, TWO52_BITS,
-        TWO52_PLUS_BIAS, WORD_SHIFT, Word, chacha, exponent, from_word, half_pow2, mantissa, negate_by_bit1, odd,
+        Add, Block, Div, Group, HALF_BITS, Kernel, LANES, LaneMap, MANTISSA, Memory, Mul, Neg, ONE_BITS, PhantomData,
+        Real, SIGN, Sub, TWO52_BITS, TWO52_PLUS_BIAS, WORD_SHIFT, Word, chacha, exponent, from_word, half_pow2, mantissa,
+        negate_by_bit1, odd,
     };
     use core::arch::x86_64::*;
 
@@ -569,6 +651,26 @@ mod x86 {
         kernel.run::<Y4<4, false>>();
     }
 
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma,bmi1,bmi2,popcnt")]
+    pub(super) fn map_on_avx512<const I: usize, const O: usize, F: LaneMap<I, O>>(
+        map: &F,
+        input: [&[Block]; I],
+        output: [&mut [Block]; O],
+        ws: &mut [Block],
+    ) {
+        map.run::<Z8<true>>(input, output, ws);
+    }
+
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+    pub(super) fn map_on_avx2<const I: usize, const O: usize, F: LaneMap<I, O>>(
+        map: &F,
+        input: [&[Group]; I],
+        output: [&mut [Group]; O],
+        ws: &mut [Group],
+    ) {
+        map.run::<Y4<0, true, Group>>(input, output, ws);
+    }
+
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
     pub(super) fn one_on_fma<K: Kernel<f64>>(kernel: &mut K) {
         kernel.run::<OneFused>();
@@ -583,12 +685,13 @@ mod x86 {
     #[derive(Clone, Copy)]
     pub(super) struct Z8<const FUSED: bool>(__m512d);
 
-    /// Four of eight states, from lane `AT` on, in one register.
+    /// Four states in one register: of a block those from lane `AT` on, or a group of four (`AT` is 0).
     #[derive(Clone, Copy)]
-    pub(super) struct Y4<const AT: usize, const FUSED: bool>(__m256d);
+    pub(super) struct Y4<const AT: usize, const FUSED: bool, M = Block>(__m256d, PhantomData<M>);
 
-    // SAFETY of all intrinsics below: these types are private to this module and constructed only inside the two entry
-    // points, which enable every feature named by the intrinsics. Blocks are 64-byte aligned by their type; `AT` is 0 or 4.
+    // SAFETY of all intrinsics below: these types are private to this module and constructed only inside the entry points
+    // above, which enable every feature named by the intrinsics. Blocks are 64-byte aligned by their type; four numbers are
+    // read and written unaligned, from slices that hold them; `AT` is 0 or 4.
 
     macro_rules! z8_operator {
         ($trait:ident, $fn:ident, $intrinsic:ident) => {
@@ -705,11 +808,11 @@ mod x86 {
 
     macro_rules! y4_operator {
         ($trait:ident, $fn:ident, $intrinsic:ident) => {
-            impl<const AT: usize, const FUSED: bool> $trait for Y4<AT, FUSED> {
+            impl<const AT: usize, const FUSED: bool, M> $trait for Y4<AT, FUSED, M> {
                 type Output = Self;
                 #[inline(always)]
                 fn $fn(self, o: Self) -> Self {
-                    Self(unsafe { $intrinsic(self.0, o.0) })
+                    Self(unsafe { $intrinsic(self.0, o.0) }, PhantomData)
                 }
             }
         };
@@ -718,86 +821,101 @@ mod x86 {
     y4_operator!(Sub, sub, _mm256_sub_pd);
     y4_operator!(Mul, mul, _mm256_mul_pd);
     y4_operator!(Div, div, _mm256_div_pd);
-    impl<const AT: usize, const FUSED: bool> Neg for Y4<AT, FUSED> {
+    impl<const AT: usize, const FUSED: bool, M> Neg for Y4<AT, FUSED, M> {
         type Output = Self;
         #[inline(always)]
         fn neg(self) -> Self {
-            Self(unsafe { _mm256_xor_pd(self.0, _mm256_set1_pd(-0.0)) })
+            Self(unsafe { _mm256_xor_pd(self.0, _mm256_set1_pd(-0.0)) }, PhantomData)
         }
     }
-    impl<const AT: usize, const FUSED: bool> Real for Y4<AT, FUSED> {
-        type Mem = Block;
+    impl<const AT: usize, const FUSED: bool, M: Memory> Real for Y4<AT, FUSED, M> {
+        type Mem = M;
         const FUSED: bool = FUSED;
         #[inline(always)]
         fn splat(x: f64) -> Self {
-            Self(unsafe { _mm256_set1_pd(x) })
+            Self(unsafe { _mm256_set1_pd(x) }, PhantomData)
         }
         #[inline(always)]
-        fn load(m: &Block) -> Self {
-            Self(unsafe { _mm256_load_pd(m.0.as_ptr().add(AT)) })
+        fn load(m: &M) -> Self {
+            Self(unsafe { _mm256_loadu_pd(m.as_ref()[AT..AT + 4].as_ptr()) }, PhantomData)
         }
         #[inline(always)]
-        fn store(self, m: &mut Block) {
-            unsafe { _mm256_store_pd(m.0.as_mut_ptr().add(AT), self.0) }
+        fn store(self, m: &mut M) {
+            unsafe { _mm256_storeu_pd(m.as_mut()[AT..AT + 4].as_mut_ptr(), self.0) }
         }
         #[inline(always)]
         fn from_words(words: &[Word; LANES]) -> Self {
-            Self(unsafe {
-                let k = _mm256_cvtepu32_epi64(_mm_loadu_si128(words.as_ptr().add(AT).cast()));
-                let bits = _mm256_or_si256(_mm256_slli_epi64::<20>(k), _mm256_set1_epi64x(ONE_BITS.cast_signed()));
-                _mm256_sub_pd(_mm256_castsi256_pd(bits), _mm256_set1_pd(WORD_SHIFT))
-            })
+            Self(
+                unsafe {
+                    let k = _mm256_cvtepu32_epi64(_mm_loadu_si128(words.as_ptr().add(AT).cast()));
+                    let bits = _mm256_or_si256(_mm256_slli_epi64::<20>(k), _mm256_set1_epi64x(ONE_BITS.cast_signed()));
+                    _mm256_sub_pd(_mm256_castsi256_pd(bits), _mm256_set1_pd(WORD_SHIFT))
+                },
+                PhantomData,
+            )
         }
         #[inline(always)]
         fn fma(self, b: Self, c: Self) -> Self {
-            if FUSED { Self(unsafe { _mm256_fmadd_pd(self.0, b.0, c.0) }) } else { self * b + c }
+            if FUSED { Self(unsafe { _mm256_fmadd_pd(self.0, b.0, c.0) }, PhantomData) } else { self * b + c }
         }
         #[inline(always)]
         fn fnma(self, b: Self, c: Self) -> Self {
-            if FUSED { Self(unsafe { _mm256_fnmadd_pd(self.0, b.0, c.0) }) } else { c - self * b }
+            if FUSED { Self(unsafe { _mm256_fnmadd_pd(self.0, b.0, c.0) }, PhantomData) } else { c - self * b }
         }
         #[inline(always)]
         fn sqrt(self) -> Self {
-            Self(unsafe { _mm256_sqrt_pd(self.0) })
+            Self(unsafe { _mm256_sqrt_pd(self.0) }, PhantomData)
         }
         #[inline(always)]
         fn max(self, o: Self) -> Self {
-            Self(unsafe { _mm256_max_pd(self.0, o.0) })
+            Self(unsafe { _mm256_max_pd(self.0, o.0) }, PhantomData)
         }
         #[inline(always)]
         fn min(self, o: Self) -> Self {
-            Self(unsafe { _mm256_min_pd(self.0, o.0) })
+            Self(unsafe { _mm256_min_pd(self.0, o.0) }, PhantomData)
         }
         #[inline(always)]
         fn select_gt(self, limit: f64, yes: Self, no: Self) -> Self {
-            Self(unsafe {
-                let mask = _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_set1_pd(limit));
-                _mm256_blendv_pd(no.0, yes.0, mask)
-            })
+            Self(
+                unsafe {
+                    let mask = _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, _mm256_set1_pd(limit));
+                    _mm256_blendv_pd(no.0, yes.0, mask)
+                },
+                PhantomData,
+            )
         }
         #[inline(always)]
         fn select_odd(t: Self, yes: Self, no: Self) -> Self {
-            Self(unsafe {
-                let mask = _mm256_slli_epi64::<63>(_mm256_castpd_si256(t.0));
-                _mm256_blendv_pd(no.0, yes.0, _mm256_castsi256_pd(mask))
-            })
+            Self(
+                unsafe {
+                    let mask = _mm256_slli_epi64::<63>(_mm256_castpd_si256(t.0));
+                    _mm256_blendv_pd(no.0, yes.0, _mm256_castsi256_pd(mask))
+                },
+                PhantomData,
+            )
         }
         #[inline(always)]
         fn negate_by_bit1(self, t: Self) -> Self {
-            Self(unsafe {
-                let sign = _mm256_and_si256(
-                    _mm256_slli_epi64::<62>(_mm256_castpd_si256(t.0)),
-                    _mm256_set1_epi64x(SIGN.cast_signed()),
-                );
-                _mm256_xor_pd(self.0, _mm256_castsi256_pd(sign))
-            })
+            Self(
+                unsafe {
+                    let sign = _mm256_and_si256(
+                        _mm256_slli_epi64::<62>(_mm256_castpd_si256(t.0)),
+                        _mm256_set1_epi64x(SIGN.cast_signed()),
+                    );
+                    _mm256_xor_pd(self.0, _mm256_castsi256_pd(sign))
+                },
+                PhantomData,
+            )
         }
         #[inline(always)]
         fn half_pow2(t: Self) -> Self {
-            Self(unsafe {
-                let k = _mm256_slli_epi64::<52>(_mm256_castpd_si256(t.0));
-                _mm256_castsi256_pd(_mm256_add_epi64(k, _mm256_set1_epi64x(HALF_BITS.cast_signed())))
-            })
+            Self(
+                unsafe {
+                    let k = _mm256_slli_epi64::<52>(_mm256_castpd_si256(t.0));
+                    _mm256_castsi256_pd(_mm256_add_epi64(k, _mm256_set1_epi64x(HALF_BITS.cast_signed())))
+                },
+                PhantomData,
+            )
         }
         #[inline(always)]
         fn exponent_mantissa(self) -> (Self, Self) {
@@ -809,8 +927,8 @@ mod x86 {
                     _mm256_set1_epi64x(ONE_BITS.cast_signed()),
                 );
                 (
-                    Self(_mm256_sub_pd(_mm256_castsi256_pd(e), _mm256_set1_pd(TWO52_PLUS_BIAS))),
-                    Self(_mm256_castsi256_pd(m)),
+                    Self(_mm256_sub_pd(_mm256_castsi256_pd(e), _mm256_set1_pd(TWO52_PLUS_BIAS)), PhantomData),
+                    Self(_mm256_castsi256_pd(m), PhantomData),
                 )
             }
         }
@@ -921,6 +1039,42 @@ mod tests {
         assert_eq!((baseline[13].0[3], baseline[14].0[3]), (2.0, 1.125));
         for isa in Isa::available() {
             assert_eq!(run(isa), baseline, "{}", isa.name());
+        }
+    }
+
+    /// a b + 1 + a, and a b + 1.
+    struct Both;
+    impl LaneMap<2, 2> for Both {
+        #[inline(always)]
+        fn run<V: Real>(&self, [a, b]: [&[V::Mem]; 2], [sums, products]: [&mut [V::Mem]; 2], ws: &mut [V::Mem]) {
+            for ((a, b), scratch) in a.iter().zip(b).zip(&mut *ws) {
+                V::load(a).fma(V::load(b), V::splat(1.0)).store(scratch);
+            }
+            for (((scratch, a), sum), product) in ws.iter().zip(a).zip(sums).zip(products) {
+                (V::load(scratch) + V::load(a)).store(sum);
+                V::load(scratch).store(product);
+            }
+        }
+    }
+
+    #[test]
+    fn maps_are_the_same_for_each_state_of_a_block_and_for_one() {
+        let a: Vec<Block> =
+            (0..3).map(|k| Block([0, 1, 2, 3, 4, 5, 6, 7].map(|lane| f64::from(8 * k + lane)))).collect();
+        let b: Vec<Block> = a.iter().map(|block| Block(block.0.map(|x| 0.5 - x))).collect();
+        for isa in Isa::available() {
+            let (mut sums, mut products) = ([Block::ZERO; 3], [Block::ZERO; 3]);
+            map_block(isa, &Both, [&a, &b], [&mut sums, &mut products], &mut [Block::ZERO; 3]);
+            for lane in 0..LANES {
+                let one = |blocks: &[Block]| blocks.iter().map(|block| block.0[lane]).collect::<Vec<f64>>();
+                let (mut sum, mut product) = ([0.0; 3], [0.0; 3]);
+                map_one(isa, &Both, [&one(&a), &one(&b)], [&mut sum, &mut product], 3);
+                assert_eq!((one(&sums), one(&products)), (sum.to_vec(), product.to_vec()), "{}", isa.name());
+                for (k, (sum, product)) in sum.into_iter().zip(product).enumerate() {
+                    let x = (8 * k + lane) as f64;
+                    assert_eq!((sum, product), (x * (0.5 - x) + 1.0 + x, x * (0.5 - x) + 1.0));
+                }
+            }
         }
     }
 

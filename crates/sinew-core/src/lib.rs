@@ -14,6 +14,7 @@ pub mod elementary;
 mod error;
 pub mod estimators;
 mod forwarded;
+mod groups;
 pub mod hierarchy;
 pub mod injection;
 pub mod kernel;

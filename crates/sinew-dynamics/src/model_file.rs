@@ -28,6 +28,7 @@ pub struct ModelFormat {
 
 /// A file that holds no model of the kind that is wanted; `P` says what a value has that no model has.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ModelFileProblem<P: Debug + Display> {
     /// Text that is no JSON, or JSON of another shape.
     #[error("{file} is no {}: {problem}", format.what)]

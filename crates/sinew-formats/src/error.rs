@@ -9,6 +9,7 @@ use crate::numbers::{Bytes, Count, Rough};
 
 /// Everything that this crate refuses.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// A byte that no UTF-8 text contains at this place.
     #[error("{}: byte 0x{byte:02X} at line {line} is not UTF-8; save as UTF-8", place)]

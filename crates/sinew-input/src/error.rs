@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 /// A recording that cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// A file that its reader refuses.
     #[error(transparent)]

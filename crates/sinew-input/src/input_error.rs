@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// A recording that cannot be read as it stands.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum InputError {
     /// Nobody shows which layout the keypoints have.
     #[error("{}: the detector found nobody in the {files} files looked at; the keypoint layout cannot be recognised", folder.display())]

@@ -62,6 +62,7 @@ impl fmt::Display for ClockLag {
 
 /// Why a text is no lag.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LagTextError {
     /// It is not frames, or frames and a drift.
     Form,

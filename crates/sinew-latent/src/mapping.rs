@@ -14,7 +14,7 @@ use crate::covariance::Covariance;
 use crate::model::{LatentModel, Outputs};
 use crate::process::Process;
 use sinew_core::elementary::exp;
-use sinew_core::lanes::{Block, Isa, Kernel, Real, dispatch, dispatch_one};
+use sinew_core::lanes::{Block, Isa, LaneMap, Real, map_block, map_one};
 
 /// Outputs of a panel of A, and of the last where few are left.
 const WIDE: usize = 8;
@@ -158,16 +158,16 @@ impl Mapping {
     /// μ of one latent.
     #[must_use]
     pub fn mean_at(&self, x: &[f64]) -> Vec<f64> {
-        let (mut mean, mut ws) = (vec![0.0; self.outputs], vec![0.0; self.workspace()]);
-        dispatch_one(Isa::baseline(), Mean { mapping: self, x, out: &mut mean, ws: &mut ws });
+        let mut mean = vec![0.0; self.outputs];
+        map_one(Isa::baseline(), &Mean(self), [x], [&mut mean], self.workspace());
         mean
     }
 
     /// s² of one latent.
     #[must_use]
     pub fn variance_at(&self, x: &[f64]) -> f64 {
-        let (mut variance, mut ws) = ([0.0], vec![0.0; self.workspace()]);
-        dispatch_one(Isa::baseline(), Variance { mapping: self, x, out: &mut variance, ws: &mut ws });
+        let mut variance = [0.0];
+        map_one(Isa::baseline(), &Variance(self), [x], [&mut variance], self.workspace());
         variance[0]
     }
 
@@ -175,13 +175,13 @@ impl Mapping {
     #[must_use]
     pub fn variance_block(&self, x: &[Block], isa: Isa, ws: &mut [Block]) -> Block {
         let mut variance = [Block::ZERO];
-        dispatch(isa, Variance { mapping: self, x, out: &mut variance, ws });
+        map_block(isa, &Variance(self), [x], [&mut variance], ws);
         variance[0]
     }
 
     /// μ of a block of latents.
     pub fn mean_block(&self, x: &[Block], isa: Isa, out: &mut [Block], ws: &mut [Block]) {
-        dispatch(isa, Mean { mapping: self, x, out, ws });
+        map_block(isa, &Mean(self), [x], [out], ws);
     }
 
     /// e_n(x) of all latents.
@@ -361,37 +361,23 @@ impl Mapping {
     }
 }
 
-struct Mean<'a, M> {
-    mapping: &'a Mapping,
-    x: &'a [M],
-    out: &'a mut [M],
-    ws: &'a mut [M],
+struct Mean<'a>(&'a Mapping);
+
+impl LaneMap<1, 1> for Mean<'_> {
+    #[inline(always)]
+    fn run<V: Real>(&self, [x]: [&[V::Mem]; 1], [out]: [&mut [V::Mem]; 1], ws: &mut [V::Mem]) {
+        self.0.mean::<V>(x, out, ws);
+    }
 }
 
-struct Variance<'a, M> {
-    mapping: &'a Mapping,
-    x: &'a [M],
-    out: &'a mut [M; 1],
-    ws: &'a mut [M],
-}
+struct Variance<'a>(&'a Mapping);
 
-macro_rules! on_lanes_and_on_one {
-    ($($memory:ty),*) => {$(
-        impl Kernel<$memory> for Mean<'_, $memory> {
-            #[inline(always)]
-            fn run<V: Real<Mem = $memory>>(&mut self) {
-                self.mapping.mean::<V>(self.x, self.out, self.ws);
-            }
-        }
-        impl Kernel<$memory> for Variance<'_, $memory> {
-            #[inline(always)]
-            fn run<V: Real<Mem = $memory>>(&mut self) {
-                self.mapping.variance::<V, false>(self.x, &mut [], self.ws).store(&mut self.out[0]);
-            }
-        }
-    )*};
+impl LaneMap<1, 1> for Variance<'_> {
+    #[inline(always)]
+    fn run<V: Real>(&self, [x]: [&[V::Mem]; 1], [out]: [&mut [V::Mem]; 1], ws: &mut [V::Mem]) {
+        self.0.variance::<V, false>(x, &mut [], ws).store(&mut out[0]);
+    }
 }
-on_lanes_and_on_one!(Block, f64);
 
 /// Σ_n e_n panel_n: one output a column of the panel, written with a stride.
 #[inline(always)]

@@ -7,6 +7,7 @@ use sinew_results::ResultsError;
 
 /// Motion that cannot be read, converted or learned from.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// A file that cannot be read or written.
     #[error(transparent)]

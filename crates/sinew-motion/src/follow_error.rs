@@ -2,6 +2,7 @@
 
 /// What a motion lacks.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum FollowError {
     /// A point that a fit needs and that the motion lacks.
     #[error(transparent)]

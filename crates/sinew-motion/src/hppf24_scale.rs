@@ -3,6 +3,7 @@
 use crate::follow_error::FollowError;
 use sinew_body::hppf24;
 use sinew_body::points::{Trajectories, distance, points_of_states};
+use sinew_core::estimators::median;
 
 /// How lengths of segments become a scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,14 +32,12 @@ pub fn scale(motion: &Trajectories, segments: &[(&str, &str)], how: Scale) -> Re
 }
 
 fn sum_of_medians(motion: &Trajectories, segments: &[(&str, &str)]) -> Result<f64, FollowError> {
-    let mut sum = 0.0;
-    for (from, to) in segments {
+    let median_length = |(from, to): &(&str, &str)| {
         let (a, b) = (motion.column(from)?, motion.column(to)?);
         let mut all: Vec<f64> = motion.frames.iter().map(|frame| distance(frame[a], frame[b])).collect();
-        all.sort_by(f64::total_cmp);
-        sum += all.get(all.len() / 2).ok_or(FollowError::NoFrames)?;
-    }
-    Ok(sum)
+        if all.is_empty() { Err(FollowError::NoFrames) } else { Ok(median(&mut all)) }
+    };
+    segments.iter().map(median_length).sum()
 }
 
 fn first_lengths(motion: &Trajectories, segments: &[(&str, &str)]) -> Result<Vec<f64>, FollowError> {

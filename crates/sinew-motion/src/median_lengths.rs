@@ -5,6 +5,7 @@
 use crate::FollowError;
 use sinew_body::Proportions;
 use sinew_body::points::{Trajectories, between, distance};
+use sinew_core::estimators::median;
 
 /// A place on the person: a point, or the middle of two.
 type Place = [&'static str; 2];
@@ -54,8 +55,7 @@ fn median_distance(motion: &Trajectories, from: [&str; 2], to: [&str; 2]) -> Res
     let (from, to) = (columns(from)?, columns(to)?);
     let place = |frame: &[[f64; 3]], [a, b]: [usize; 2]| between(frame[a], frame[b], 0.5);
     let mut all: Vec<f64> = motion.frames.iter().map(|frame| distance(place(frame, from), place(frame, to))).collect();
-    all.sort_by(f64::total_cmp);
-    all.get(all.len() / 2).copied().ok_or(FollowError::NoFrames)
+    if all.is_empty() { Err(FollowError::NoFrames) } else { Ok(median(&mut all)) }
 }
 
 #[cfg(test)]

@@ -67,10 +67,7 @@ fn check_offsets(confidence: f64, config: Config) {
     }
     for axis in 0..3 {
         let mut along: Vec<f64> = shifts.iter().map(|s| s[axis]).collect();
-        assert!(
-            sinew_observe::cameras::offsets::median(&mut along).abs() < 2e-3,
-            "points are shifted along axis {axis}"
-        );
+        assert!(sinew_core::estimators::median(&mut along).abs() < 2e-3, "points are shifted along axis {axis}");
     }
     assert!(noise.iter().all(|n| n.sigma_px < 1.0 && n.usual_confidence == confidence));
 }

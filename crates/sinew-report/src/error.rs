@@ -9,6 +9,7 @@ use sinew_setup::SetupError;
 
 /// Everything that ends a page, a picture or an inspection early.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// A recording, result or file that cannot be used.
     #[error(transparent)]

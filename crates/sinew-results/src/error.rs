@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// A result folder, or what it was made from, that cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// A recording, body or set-up that cannot be used.
     #[error(transparent)]

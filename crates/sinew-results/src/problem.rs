@@ -10,6 +10,7 @@ pub const FORMAT: u32 = 14;
 
 /// Why a run cannot be resumed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum Problem {
     /// No run was stopped here.
     #[error("holds no checkpoint: there is no run to resume")]

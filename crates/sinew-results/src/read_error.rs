@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 /// A folder that does not hold whole results.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ReadError {
     /// A folder without the summary of a run.
     #[error("{}: no results: summary.json is missing", .0.display())]

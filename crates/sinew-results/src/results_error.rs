@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 /// Results that cannot be written or read back.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ResultsError {
     /// An estimate of another size than the run's.
     #[error("frame {frame}: {what}: {found} numbers instead of {expected}")]

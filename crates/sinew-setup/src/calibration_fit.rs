@@ -6,7 +6,8 @@
 //! triangulation is small for the right reading and large for others; readings other than the given one are tried only where that is large.
 
 use super::setup_error::SetupError;
-use sinew_observe::cameras::offsets::{Sighted, median};
+use sinew_core::estimators::median;
+use sinew_observe::cameras::offsets::Sighted;
 use sinew_observe::cameras::triangulate::{Seen, linear};
 use sinew_observe::{Camera, Detection};
 

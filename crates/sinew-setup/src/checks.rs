@@ -5,10 +5,11 @@ use super::collect::{Collected, SetupRequest};
 use super::setup_error::SetupError;
 use super::space_points::points_in_space;
 use super::warning::SetupWarning;
+use sinew_core::estimators::median;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
 use sinew_observe::cameras::cross_view::{lag_change, residual_by_lag, swapped_spans};
-use sinew_observe::cameras::offsets::{CameraNoise, median};
+use sinew_observe::cameras::offsets::CameraNoise;
 
 /// Largest lag that is tried, frames.
 const LAG: i64 = 10;

@@ -6,6 +6,7 @@ use sinew_input::{FileError, InputError, Problems};
 
 /// A recording, body or set-up that cannot be used.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// A recording or file that cannot be used.
     #[error(transparent)]

@@ -1,6 +1,7 @@
 //! How long errors of keypoints last, from the residuals of frames.
 
 use super::lasting_errors::LASTING_SHARE;
+use sinew_core::estimators::mean;
 use sinew_observe::lasting::lasting_errors::{FrameResidual, LinearisedFrame};
 
 /// Correlation of the residuals of successive frames, bias taken off, and how many pairs it is of.
@@ -19,7 +20,7 @@ pub(super) fn correlation(frames: &[LinearisedFrame], cameras: usize, points: us
             let kept: Vec<f64> =
                 series.iter().map(|r| r[axis]).map(|r| if r.abs() < GROSS { r } else { f64::NAN }).collect();
             let known: Vec<f64> = kept.iter().copied().filter(|r| r.is_finite()).collect();
-            let mean = known.iter().sum::<f64>() / known.len() as f64;
+            let mean = mean(&known);
             for pair in kept.windows(2).filter(|pair| pair.iter().all(|r| r.is_finite())) {
                 product += (pair[0] - mean) * (pair[1] - mean);
                 square += 0.5 * ((pair[0] - mean).powi(2) + (pair[1] - mean).powi(2));

@@ -2,7 +2,7 @@
 
 use super::lasting_errors::{DrawnNumber, MeasuredErrors};
 use super::lasting_prior::{HEAVY, KIND_SCALES, LAG_SCALE, SCALES, kind, place_scale};
-use sinew_observe::cameras::offsets::median;
+use sinew_core::estimators::median;
 
 /// A constant number: its posterior and its prior.
 #[derive(Clone, Copy, Debug, PartialEq)]

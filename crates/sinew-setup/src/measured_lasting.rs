@@ -29,6 +29,7 @@ use super::stored::Setup;
 use crate::Error;
 use sinew_body::KinematicTree;
 use sinew_body::point_derivatives::{Neighbours, PointDerivatives, length_names};
+use sinew_core::estimators::median;
 use sinew_core::random::Stage;
 use sinew_core::transition::Moments;
 use sinew_dynamics::lasting::{FrameInformation, Lasting, informed};
@@ -119,7 +120,7 @@ pub fn measure_lasting_with(
 }
 
 fn median_scale(found: &LastingDraws, scale: usize) -> f64 {
-    offsets::median(&mut found.scales.iter().map(|scales| scales[scale]).collect::<Vec<_>>())
+    median(&mut found.scales.iter().map(|scales| scales[scale]).collect::<Vec<_>>())
 }
 
 /// Result of one pass over the frames.
@@ -211,7 +212,7 @@ impl Fit {
             frames,
             expected: vec![[0.0, f64::INFINITY]; g.len()],
             g,
-            seconds_apart: offsets::median(&mut seconds),
+            seconds_apart: median(&mut seconds),
             persistence_s: 0.0,
             worth: 1.0,
             fps,

@@ -2,7 +2,8 @@
 //!
 //! It is what the scatter of triangulated points about the fitted body has more than the points' own errors.
 
-use sinew_observe::cameras::offsets::{median, robust_sigma};
+use sinew_core::estimators::median;
+use sinew_observe::cameras::offsets::robust_sigma;
 
 /// The model error is at least this share of the scatter, in variance: what the triangulated points say of their own error is not exact.
 const LEAST_SHARE: f64 = 0.25;

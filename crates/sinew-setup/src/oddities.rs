@@ -12,6 +12,7 @@
 
 use crate::SetupWarning;
 use serde::{Deserialize, Serialize};
+use sinew_core::estimators::median;
 
 /// Frames that a span has at least.
 const SPAN: u32 = 3;
@@ -77,10 +78,6 @@ pub struct Oddities {
     cameras: Vec<Watched>,
     /// Left and right, by point of the plan.
     pairs: Vec<(usize, usize)>,
-}
-
-fn median(values: &mut [f64]) -> f64 {
-    sinew_observe::cameras::offsets::median(values)
 }
 
 /// Whether exchanging left and right brings keypoints decidedly nearer.

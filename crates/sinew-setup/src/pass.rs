@@ -14,6 +14,7 @@ use super::stored::{Body, CameraSetup, SCHEMA, Setup};
 use super::upward::{Upward, upward};
 use super::warning::SetupWarning;
 use sinew_body::Proportions;
+use sinew_core::estimators::median;
 use sinew_formats::Layout;
 use sinew_input::up_axis::Z_UP;
 use sinew_observe::Camera;
@@ -183,7 +184,7 @@ pub(super) fn camera_setup(camera: &Camera, noise: &CameraNoise, all: &[CameraNo
             return own;
         }
         let mut known: Vec<f64> = all.iter().map(of).filter(|x| x.is_finite()).collect();
-        if known.is_empty() { otherwise } else { offsets::median(&mut known) }
+        if known.is_empty() { otherwise } else { median(&mut known) }
     };
     CameraSetup {
         name: camera.name.clone(),

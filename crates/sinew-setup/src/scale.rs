@@ -2,8 +2,8 @@
 
 use super::setup_error::SetupError;
 use super::warning::SetupWarning;
+use sinew_core::estimators::median;
 use sinew_observe::Camera;
-use sinew_observe::cameras::offsets::median;
 
 /// A body outside these multiples of the default is none.
 const PLAUSIBLE: std::ops::RangeInclusive<f64> = 0.2..=5.0;

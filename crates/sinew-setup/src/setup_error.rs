@@ -4,6 +4,7 @@ use super::warning::SetupWarning;
 
 /// A recording that cannot be set up.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SetupError {
     /// No keypoint is sure enough.
     #[error("the surest keypoint has confidence {surest:.3}; {least} is needed to set up")]

@@ -22,6 +22,7 @@ use super::upward::{Upward, upward};
 use super::warning::SetupWarning;
 use sinew_body::fit::Target;
 use sinew_body::{KinematicTree, Plan, Proportions, bundle, point_positions, subject};
+use sinew_core::estimators::mean;
 use sinew_core::lanes::Isa;
 use sinew_formats::Layout;
 use sinew_observe::Camera;
@@ -104,7 +105,7 @@ pub fn measure(
         start_frame,
         start_pose,
         up_axis,
-        fit_error_m: all.iter().sum::<f64>() / all.len() as f64,
+        fit_error_m: mean(&all),
         point_error_m,
     })
 }

@@ -1,9 +1,9 @@
 //! The axis of the world that points from feet to head.
 
 use super::space_points::Points;
+use sinew_core::estimators::median;
 use sinew_formats::Layout;
 use sinew_input::up_axis::AXES;
-use sinew_observe::cameras::offsets::median;
 
 const LOW: [&str; 6] = ["LAnkle", "RAnkle", "LHeel", "RHeel", "LKnee", "RKnee"];
 const HIGH: [&str; 6] = ["Head", "Nose", "Neck", "LShoulder", "RShoulder", "MidShoulder"];

@@ -15,8 +15,8 @@
 //! Where ankles are seen and the legs never straight, as of people who sit or bend, nothing is said.
 
 use super::space_points::Points;
+use sinew_core::estimators::median;
 use sinew_formats::Layout;
-use sinew_observe::cameras::offsets::median;
 
 /// How the person showed where up is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

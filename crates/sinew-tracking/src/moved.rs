@@ -1,6 +1,7 @@
 //! The draws of a frame, moved to where they would be for each draw of what is constant.
 
 use crate::posterior::Posterior;
+use sinew_core::estimators::mean;
 use sinew_core::lanes::{Block, LANES, numbers, numbers_mut};
 use sinew_core::random::BlockRng;
 
@@ -101,7 +102,7 @@ impl Moved {
     /// Mean move of the state.
     #[must_use]
     pub fn mean(&self) -> Vec<f64> {
-        self.states.rows().map(|row| row.iter().sum::<f64>() / row.len() as f64).collect()
+        self.states.rows().map(mean).collect()
     }
 
     /// Shape and detected keypoints of the first draws, as they are written; `at` are the keypoints of the body in their moved states, draw after draw.

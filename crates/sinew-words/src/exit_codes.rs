@@ -51,6 +51,7 @@ pub const fn exit_code(error: &sinew_report::Error) -> u8 {
             InspectError::TwoSkeletons { .. } | InspectError::UnknownKind { .. } | InspectError::Video { .. },
         )
         | Error::Overlay(OverlayError::Scale { .. }) => USAGE,
+        _ => FAILED,
     }
 }
 
@@ -63,6 +64,7 @@ const fn analysis(error: &sinew_analysis::Error) -> u8 {
         | Error::Segment(SegmentError::OutOfRange { .. })
         | Error::Sync(_) => USAGE,
         Error::Compare(_) | Error::Gait(_) | Error::Opensim(_) | Error::Segment(_) | Error::ShapeFit(_) => INPUT,
+        _ => FAILED,
     }
 }
 
@@ -80,6 +82,7 @@ const fn motion(error: &sinew_motion::Error) -> u8 {
         )
         | Error::Learn(_) => INPUT,
         Error::Motion(_) => USAGE,
+        _ => FAILED,
     }
 }
 
@@ -100,18 +103,13 @@ pub const fn run(error: &sinew::Error) -> u8 {
         | Error::SetupFrames { .. }
         | Error::NoSuchPerson { .. } => INPUT,
         Error::Live(LiveError::Listen { .. }) => FILES,
-        Error::Tracking(_) | Error::Threads(_) => FAILED,
         Error::Interrupted(_) => INTERRUPTED,
+        Error::Tracking(_) | Error::Threads(_) | _ => FAILED,
     }
 }
 
 const fn tracking(error: &TrackError) -> u8 {
     match error {
-        TrackError::NoParts
-        | TrackError::StoredSettings(_)
-        | TrackError::Encoding(_)
-        | TrackError::Sampler(_)
-        | TrackError::Motion(_) => FAILED,
         TrackError::UpAxis { .. }
         | TrackError::UpTwice
         | TrackError::Body { .. }
@@ -131,6 +129,12 @@ const fn tracking(error: &TrackError) -> u8 {
         | TrackError::SetupFile { .. }
         | TrackError::MotionModel(_)
         | TrackError::LatentModel(_) => INPUT,
+        TrackError::NoParts
+        | TrackError::StoredSettings(_)
+        | TrackError::Encoding(_)
+        | TrackError::Sampler(_)
+        | TrackError::Motion(_)
+        | _ => FAILED,
     }
 }
 
@@ -145,6 +149,7 @@ const fn results(error: &sinew_results::Error) -> u8 {
         Error::Read(ReadError::Running(_)) | Error::OutputExists { .. } | Error::OutputLocked { .. } => FILES,
         Error::Results(_) | Error::Read(_) => INPUT,
         Error::Checkpoint { problem, .. } => checkpoint(problem),
+        _ => FAILED,
     }
 }
 
@@ -156,7 +161,14 @@ const fn checkpoint(problem: &Problem) -> u8 {
         | Problem::Settings(_)
         | Problem::Program { .. } => USAGE,
         Problem::Inputs(_) => INPUT,
-        _ => FILES,
+        Problem::Summary
+        | Problem::Foreign
+        | Problem::Length { .. }
+        | Problem::Checksum { .. }
+        | Problem::Format { .. }
+        | Problem::State { .. }
+        | Problem::Changed { .. } => FILES,
+        _ => FAILED,
     }
 }
 
@@ -167,6 +179,7 @@ const fn setup(error: &sinew_setup::Error) -> u8 {
         Error::Setup(SetupError::Unwritable(_) | SetupError::Lasting(_)) => FAILED,
         Error::Setup(_) => INPUT,
         Error::Body(_) => USAGE,
+        _ => FAILED,
     }
 }
 
@@ -186,5 +199,6 @@ const fn input(error: &sinew_input::Error) -> u8 {
         | Error::Format(sinew::formats::Error::UnknownLayout { .. }) => USAGE,
         Error::Input(_) | Error::Format(_) => INPUT,
         Error::Io(_) => FILES,
+        _ => FAILED,
     }
 }

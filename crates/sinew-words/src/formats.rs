@@ -2,8 +2,8 @@
 
 use sinew::formats::{Error, layout};
 
-pub(crate) fn help(error: &Error) -> String {
-    match error {
+pub(crate) fn help(error: &Error) -> Option<String> {
+    Some(match error {
         Error::NotUtf8 { .. } => "open the file in an editor and save it with the encoding UTF-8".into(),
         Error::TooLarge { .. } => "is this the right file? split the recording if it is".into(),
         Error::Truncated { .. } => "the program that wrote the file was probably stopped; write or copy it again".into(),
@@ -50,7 +50,8 @@ pub(crate) fn help(error: &Error) -> String {
         Error::MaskChannels { .. } => "write masks as PNG with one channel: 0 for the background, 255 for the person".into(),
         Error::MaskLevels { .. } => "choose the label of the person and write it as 255, all else as 0".into(),
         Error::Body { .. } => "`sinew body h32` shows a body that is valid".into(),
-    }
+        _ => return None,
+    })
 }
 
 /// Whether two cameras share no frame: one that begins `start` frames after the other.

@@ -11,17 +11,18 @@ const DETECT: &str = "run a 2D pose detector over the videos first, for example 
 
 pub(crate) fn help(error: &Error) -> Option<String> {
     match error {
-        Error::Format(error) => Some(formats::help(error)),
-        Error::Input(error) => Some(recording(error)),
+        Error::Format(error) => formats::help(error),
+        Error::Input(error) => recording(error),
         Error::Io(error) => file(error),
         Error::Config(_) => {
             Some("`sinew track --help` lists the settings; `--print-config` shows the values in force".into())
         }
+        _ => None,
     }
 }
 
-fn recording(error: &InputError) -> String {
-    match error {
+fn recording(error: &InputError) -> Option<String> {
+    Some(match error {
         InputError::NobodyForLayout { known, .. } => format!(
             "give keypoints that show somebody; if others of the files do, name the layout with `--layout`: {}",
             known.join(", ")
@@ -60,55 +61,48 @@ fn recording(error: &InputError) -> String {
         InputError::ImagesWithoutCamera { many, .. } => {
             format!("move the {many} of each camera into a folder of its name; is this the folder of one camera?")
         }
-        other => fixed(other).into(),
-    }
-}
-
-/// Help that holds no value.
-const fn fixed(error: &InputError) -> &'static str {
-    match error {
         InputError::FolderOfOneCamera { .. } => {
-            "give the folder above it, which holds one folder `<camera>_json` for each camera; or move the files of each camera into a folder of its name"
+            "give the folder above it, which holds one folder `<camera>_json` for each camera; or move the files of each camera into a folder of its name".into()
         }
         InputError::UnknownKeypointFile { .. } => {
-            "give such a file, the folder with a file of each camera, or the folder with a folder of each camera"
+            "give such a file, the folder with a file of each camera, or the folder with a folder of each camera".into()
         }
-        InputError::NoFrames { .. } => "run the detector again; the file has a header and nothing else",
+        InputError::NoFrames { .. } => "run the detector again; the file has a header and nothing else".into(),
         InputError::FileOfNoCamera { .. } => {
-            "files and cameras are matched by name: name the file after the camera, as in `cam01_results.json`"
+            "files and cameras are matched by name: name the file after the camera, as in `cam01_results.json`".into()
         }
-        InputError::TwoFiles { .. } => "keep one of the two in the folder, for example the filtered one of DeepLabCut",
-        InputError::LayoutsDiffer { .. } => "run the same model on all cameras, or name the points with `--layout`",
-        InputError::NoKeypoints { .. } => "`--keypoints` takes the folder that a detector fills, for example `pose`",
-        InputError::VideosForKeypoints { .. } => DETECT,
-        InputError::NoFiles { .. } => "fill the folder or remove it, or leave the camera out of `--cameras`",
-        InputError::NoSuchCamera { .. } => "give `--cameras` a list of these names, separated by commas",
-        InputError::LagOfNoCamera { .. } => "give `--lag` cameras by these names, for example `--lag cam_03=-2`",
-        InputError::NoKeypointsOfCamera { .. } => "leave the camera out of `--cameras`",
-        InputError::NoSuchFrames { .. } => "`--frames A..B` takes the numbers in the file names, A included, B not",
-        InputError::NoCommonFrame => "look at the frames of each camera with `sinew inspect`",
-        InputError::LagLeavesNoFrame { .. } => "give a smaller `--lag`; `sinew sync` says how late cameras are",
+        InputError::TwoFiles { .. } => "keep one of the two in the folder, for example the filtered one of DeepLabCut".into(),
+        InputError::LayoutsDiffer { .. } => "run the same model on all cameras, or name the points with `--layout`".into(),
+        InputError::NoKeypoints { .. } => "`--keypoints` takes the folder that a detector fills, for example `pose`".into(),
+        InputError::VideosForKeypoints { .. } => DETECT.into(),
+        InputError::NoFiles { .. } => "fill the folder or remove it, or leave the camera out of `--cameras`".into(),
+        InputError::NoSuchCamera { .. } => "give `--cameras` a list of these names, separated by commas".into(),
+        InputError::LagOfNoCamera { .. } => "give `--lag` cameras by these names, for example `--lag cam_03=-2`".into(),
+        InputError::NoKeypointsOfCamera { .. } => "leave the camera out of `--cameras`".into(),
+        InputError::NoSuchFrames { .. } => "`--frames A..B` takes the numbers in the file names, A included, B not".into(),
+        InputError::NoCommonFrame => "look at the frames of each camera with `sinew inspect`".into(),
+        InputError::LagLeavesNoFrame { .. } => "give a smaller `--lag`; `sinew sync` says how late cameras are".into(),
         InputError::NumbersApart { in_one_file: true, .. } => {
-            "correct the number that jumps (`image_id`, `frame`), or choose frames with `--frames A..B`"
+            "correct the number that jumps (`image_id`, `frame`), or choose frames with `--frames A..B`".into()
         }
         InputError::NumbersApart { .. } => {
-            "the last number in a file name must be the frame number, as in `cam01.0034.json`"
+            "the last number in a file name must be the frame number, as in `cam01.0034.json`".into()
         }
-        InputError::ImageScale { .. } => "the scale is their width over that of the calibrated images, for example 0.5",
-        InputError::ImagesOfOtherCameras { .. } => "files and cameras are matched by name; rename the files",
-        InputError::ImagesTwice { .. } => "move one kind elsewhere",
+        InputError::ImageScale { .. } => "the scale is their width over that of the calibrated images, for example 0.5".into(),
+        InputError::ImagesOfOtherCameras { .. } => "files and cameras are matched by name; rename the files".into(),
+        InputError::ImagesTwice { .. } => "move one kind elsewhere".into(),
         InputError::GradientsOfSilhouettes { .. } => {
-            "give it the keypoints, too, without `--init`; or use `--method annealed`"
+            "give it the keypoints, too, without `--init`; or use `--method annealed`".into()
         }
-        InputError::InitWithoutKeypoints => "give them with `--keypoints DIR`, or begin with `--init POINTS.trc`",
+        InputError::InitWithoutKeypoints => "give them with `--keypoints DIR`, or begin with `--init POINTS.trc`".into(),
         InputError::NoStart => {
-            "give `--init POINTS.trc`, `--keypoints DIR --init keypoints`, or the `--setup` of an earlier run"
+            "give `--init POINTS.trc`, `--keypoints DIR --init keypoints`, or the `--setup` of an earlier run".into()
         }
         InputError::MarkerMissing { .. } => {
-            "name the markers like the keypoints of BODY_25B, or begin with `--keypoints DIR --init keypoints`"
+            "name the markers like the keypoints of BODY_25B, or begin with `--keypoints DIR --init keypoints`".into()
         }
-        _ => "",
-    }
+        _ => return None,
+    })
 }
 
 fn size(error: &SizeMisfit) -> String {

@@ -3,8 +3,8 @@
 use sinew::dynamics::model_file::{ModelFileProblem, ModelFormat};
 use std::fmt::{Debug, Display};
 
-pub(crate) fn help<P: Debug + Display>(error: &ModelFileProblem<P>) -> String {
-    match error {
+pub(crate) fn help<P: Debug + Display>(error: &ModelFileProblem<P>) -> Option<String> {
+    Some(match error {
         ModelFileProblem::Json { format: ModelFormat { command, .. }, .. }
         | ModelFileProblem::Format { format: ModelFormat { command, .. }, .. } => {
             format!("give a file that `{command}` wrote; if it did write this one, learn the model again")
@@ -15,5 +15,6 @@ pub(crate) fn help<P: Debug + Display>(error: &ModelFileProblem<P>) -> String {
         ModelFileProblem::Value { format: ModelFormat { command, .. }, .. } => {
             format!("the file was changed or damaged after it was written; learn the model again: `{command}`")
         }
-    }
+        _ => return None,
+    })
 }

@@ -13,6 +13,7 @@ pub(crate) fn help(error: &Error) -> Option<String> {
         Error::Results(error) => results::help(error),
         Error::Motion(error) => conversion(error),
         Error::Learn(error) => learning(error),
+        _ => None,
     }
 }
 
@@ -31,7 +32,7 @@ fn conversion(error: &MotionError) -> Option<String> {
         MotionError::Impossible { instead, .. } => instead,
         MotionError::NoPoints { .. } => NEEDED,
         MotionError::Joints { problem, .. } => return following(problem),
-        MotionError::NoColumns { .. } | MotionError::Unwritable { .. } => return None,
+        MotionError::NoColumns { .. } | MotionError::Unwritable { .. } | _ => return None,
     };
     Some(fixed.into())
 }
@@ -47,7 +48,7 @@ fn learning(error: &LearnError) -> Option<String> {
         }
         LearnError::NoWindows { .. } => Some("give longer recordings, or a shorter `--length`".into()),
         LearnError::Unwritable(_) => Some("give more motion, or fewer clusters (`--clusters`)".into()),
-        LearnError::Model(error) => Some(models::help(error)),
+        LearnError::Model(error) => models::help(error),
         LearnError::ShortSequence { .. } => Some("leave the file out, or learn at a higher rate with `--fps`".into()),
         LearnError::TooManySequences { .. } => Some("give fewer files, or allow more rows with `--rows`".into()),
         LearnError::FewComponents { .. } => Some("give more motion, or fewer coordinates with `--dim`".into()),
@@ -55,7 +56,8 @@ fn learning(error: &LearnError) -> Option<String> {
         LearnError::Latent(_) | LearnError::UnwritableLatent(_) => {
             Some("give more motion, or fewer coordinates with `--dim`".into())
         }
-        LearnError::LatentModel(error) => Some(models::help(error)),
+        LearnError::LatentModel(error) => models::help(error),
+        _ => None,
     }
 }
 
@@ -65,6 +67,6 @@ fn following(error: &FollowError) -> Option<String> {
             Some(NEEDED.into())
         }
         FollowError::NoPose => Some("leave the file out, or cut off its beginning".into()),
-        FollowError::Body(_) | FollowError::NoFrames => None,
+        FollowError::Body(_) | FollowError::NoFrames | _ => None,
     }
 }

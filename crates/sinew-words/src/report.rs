@@ -10,13 +10,14 @@ use sinew_report::overlay::OverlayError;
 pub fn help(error: &Error) -> Option<String> {
     match error {
         Error::Analysis(error) => analysis::help(error),
-        Error::Inspect(error) => Some(inspection(error).into()),
+        Error::Inspect(error) => inspection(error).map(Into::into),
         Error::Overlay(error) => pictures(error).map(Into::into),
+        _ => None,
     }
 }
 
-const fn inspection(error: &InspectError) -> &'static str {
-    match error {
+const fn inspection(error: &InspectError) -> Option<&'static str> {
+    Some(match error {
         InspectError::TwoSkeletons { .. } => "inspect the motions of each skeleton by themselves",
         InspectError::UnknownKind { .. } => {
             "give a calibration, a set-up, configuration, body or mapping (.toml), a folder of keypoints, masks or images, a motion file (.trc, .c3d, .bvh, .mot, .csv, .asf with .amc), a motion model or latent model (.json), a result folder or its posterior.zarr"
@@ -30,7 +31,8 @@ const fn inspection(error: &InspectError) -> &'static str {
         InspectError::NoStore { .. } => {
             "give the folder `posterior.zarr` itself, not one inside it, and no store of format 2"
         }
-    }
+        _ => return None,
+    })
 }
 
 const fn pictures(error: &OverlayError) -> Option<&'static str> {
@@ -42,6 +44,7 @@ const fn pictures(error: &OverlayError) -> Option<&'static str> {
         OverlayError::NoImages => {
             Some("choose others with `--frames` and `--every`, or leave the folder of images out")
         }
+        _ => None,
     }
 }
 

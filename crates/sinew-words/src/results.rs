@@ -8,16 +8,17 @@ pub(crate) fn help(error: &Error) -> Option<String> {
     match error {
         Error::Setup(error) => setup::help(error),
         Error::Results(error) => results(error),
-        Error::Read(error) => Some(reading(error).into()),
+        Error::Read(error) => reading(error).map(Into::into),
         Error::OutputExists { found, .. } => Some(occupied(*found).into()),
         Error::OutputLocked { .. } => Some("wait for it to end, or choose another folder with `-o`".into()),
         Error::Checkpoint { problem, .. } => Some(checkpoint(problem).into()),
         Error::OutputIsInput { .. } => Some("choose another folder with `-o`".into()),
+        _ => None,
     }
 }
 
-const fn reading(error: &ReadError) -> &'static str {
-    match error {
+const fn reading(error: &ReadError) -> Option<&'static str> {
+    Some(match error {
         ReadError::NoSummary(_) => "give the folder that `sinew track` wrote, `sinew-out/<trial>` or what `-o` said",
         ReadError::Stopped(_) => {
             "continue with the same command and `--resume`; an interrupt with Ctrl-C writes its files"
@@ -25,18 +26,12 @@ const fn reading(error: &ReadError) -> &'static str {
         ReadError::Running(_) => "wait for its end",
         ReadError::NoFile { .. } | ReadError::OtherRun(_) => "track again, or take the folder as the run left it",
         ReadError::NoFrames(_) => "track again, or continue with `--resume`",
-    }
+        _ => return None,
+    })
 }
 
 fn results(error: &ResultsError) -> Option<String> {
     let fixed = match error {
-        ResultsError::EstimateSize { .. }
-        | ResultsError::NotFinite { .. }
-        | ResultsError::LackingStatistics(_)
-        | ResultsError::Cell { .. }
-        | ResultsError::Value { .. } => {
-            return None;
-        }
         ResultsError::SeveralPeople(folder) => {
             return Some(format!("give one of them, for example `{}`", folder.join("people/01").display()));
         }
@@ -52,6 +47,12 @@ fn results(error: &ResultsError) -> Option<String> {
         ResultsError::Shares { .. } => {
             "a frame has a row for each cluster and model; take the file as the run wrote it"
         }
+        ResultsError::EstimateSize { .. }
+        | ResultsError::NotFinite { .. }
+        | ResultsError::LackingStatistics(_)
+        | ResultsError::Cell { .. }
+        | ResultsError::Value { .. }
+        | _ => return None,
     };
     Some(fixed.into())
 }
@@ -83,6 +84,12 @@ const fn checkpoint(error: &Problem) -> &'static str {
         Problem::Program { .. } | Problem::Format { .. } => {
             "continue with the version of the program that began the run, or begin again with `--force` instead of `--resume`"
         }
-        _ => "begin again with `--force` instead of `--resume`",
+        Problem::Summary
+        | Problem::Foreign
+        | Problem::Length { .. }
+        | Problem::Checksum { .. }
+        | Problem::State { .. }
+        | Problem::Changed { .. }
+        | _ => "begin again with `--force` instead of `--resume`",
     }
 }

@@ -8,6 +8,7 @@ pub(crate) fn help(error: &Error) -> Option<String> {
         Error::Input(error) => input::help(error),
         Error::Setup(error) => recording(error),
         Error::Body(_) => Some("give one of these names or the path of a body file, which ends in .toml".into()),
+        _ => None,
     }
 }
 
@@ -16,7 +17,6 @@ fn recording(error: &SetupError) -> Option<String> {
         SetupError::ResizedImages { scale, .. } => {
             return Some(format!("`--image-scale {scale:.4}` if all images were resized so after the calibration"));
         }
-        SetupError::Unwritable(_) | SetupError::Lasting(_) => return None,
         SetupError::Unsure { .. } => "check `confidence_scale`: it is the confidence that means certainty",
         SetupError::Behind(_) | SetupError::InvertedPoses { .. } => {
             "the calibration must give the camera from the world, `Xcam = R Xworld + t`"
@@ -57,6 +57,7 @@ fn recording(error: &SetupError) -> Option<String> {
         SetupError::NoFlesh(_) => {
             "give the body file solids (`[[solid]]`), name its links as `sinew body h32` does, or use a method for keypoints"
         }
+        SetupError::Unwritable(_) | SetupError::Lasting(_) | _ => return None,
     };
     Some(fixed.into())
 }

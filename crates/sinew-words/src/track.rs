@@ -18,37 +18,36 @@ pub fn help(error: &Error) -> Option<String> {
     let words = match error {
         Error::Results(error) => return results::help(error),
         Error::Track(error) => return tracking(error),
-        Error::Predict(error) => prediction(error),
-        Error::Live(error) => live(error),
-        Error::Interrupted(_) | Error::Tracking(_) | Error::Threads(_) => return None,
+        Error::Predict(error) => prediction(error)?,
+        Error::Live(error) => live(error)?,
         Error::NothingToTrack { .. } => TRY,
         Error::SetupFrames { .. } => "`--setup-frames A..B` takes the numbers in the file names, A included, B not",
         Error::NoSuchPerson { .. } => {
             "`--person` counts from 1 in the order of coming; `sinew inspect` with calibration and keypoints says who is there"
         }
         Error::InputIsOutput(_) | Error::ResultIsOutput(_) => "write to another file",
+        Error::Interrupted(_) | Error::Tracking(_) | Error::Threads(_) | _ => return None,
     };
     Some(words.to_owned())
 }
 
 fn tracking(error: &TrackError) -> Option<String> {
-    match error {
-        TrackError::ModelRate { format, tracked, .. } => Some(format!(
-            "learn it at that rate with `{} --fps {tracked}`, or state the recording's with `--fps`",
-            format.command
-        )),
-        TrackError::ModelBody { format, .. } => {
-            Some(format!("track with `--body` of that name, or learn a model with `{} --body`", format.command))
+    let fixed = match error {
+        TrackError::ModelRate { format, tracked, .. } => {
+            return Some(format!(
+                "learn it at that rate with `{} --fps {tracked}`, or state the recording's with `--fps`",
+                format.command
+            ));
         }
-        TrackError::MotionModel(error) => Some(models::help(error)),
-        TrackError::LatentModel(error) => Some(models::help(error)),
-        TrackError::UpAxis { setting, .. } => Some(format!("leave `{setting}` out: the set-up knows it")),
-        _ => fixed(error).map(Into::into),
-    }
-}
-
-const fn fixed(error: &TrackError) -> Option<&'static str> {
-    Some(match error {
+        TrackError::ModelBody { format, .. } => {
+            let command = format.command;
+            return Some(format!("track with `--body` of that name, or learn a model with `{command} --body`"));
+        }
+        TrackError::UpAxis { setting, .. } => {
+            return Some(format!("leave `{setting}` out: the set-up knows it"));
+        }
+        TrackError::MotionModel(error) => return models::help(error),
+        TrackError::LatentModel(error) => return models::help(error),
         TrackError::UnknownCamera { .. } => "use the set-up of this recording, or leave `--setup` out",
         TrackError::FewPoints { .. } => "name the body's points as the layout does: `sinew body` lists them",
         TrackError::StartPose { .. } => "use the set-up of this body, or leave `--setup` out",
@@ -68,31 +67,29 @@ const fn fixed(error: &TrackError) -> Option<&'static str> {
         TrackError::NoInstructionSet { .. } => "leave `--simd` out to take the best",
         TrackError::Solids(_)
         | TrackError::NoParts
-        | TrackError::UpAxis { .. }
-        | TrackError::ModelRate { .. }
-        | TrackError::ModelBody { .. }
-        | TrackError::MotionModel(_)
-        | TrackError::LatentModel(_)
         | TrackError::StoredSettings(_)
         | TrackError::Encoding(_)
         | TrackError::Sampler(_)
-        | TrackError::Motion(_) => return None,
-    })
+        | TrackError::Motion(_)
+        | _ => return None,
+    };
+    Some(fixed.into())
 }
 
-const fn prediction(error: &PredictError) -> &'static str {
-    match error {
+const fn prediction(error: &PredictError) -> Option<&'static str> {
+    Some(match error {
         PredictError::NoKeypoints(_) => "track again from keypoints, with a set-up of this version",
         PredictError::OtherRun(_) => "track again into an empty folder",
         PredictError::UnknownCamera { .. } => "`sinew inspect` lists the cameras of a calibration",
         PredictError::UsedCamera(_) => {
             "track with the other cameras (`--cameras`), or use `sinew validate`, which does that"
         }
-    }
+        _ => return None,
+    })
 }
 
-const fn live(error: &LiveError) -> &'static str {
-    match error {
+const fn live(error: &LiveError) -> Option<&'static str> {
+    Some(match error {
         LiveError::Place(_) => "`--live -` reads standard input, `--live tcp:127.0.0.1:7777` a socket",
         LiveError::NotLoopback(_) => {
             "listen on 127.0.0.1 or [::1], and bring frames of other machines there by a tunnel"
@@ -103,5 +100,6 @@ const fn live(error: &LiveError) -> &'static str {
         LiveError::SetupCutShort { .. } => {
             "give a set-up of an earlier run (`--setup`), or fewer seconds (`--setup-seconds`)"
         }
-    }
+        _ => return None,
+    })
 }

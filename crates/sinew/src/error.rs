@@ -12,6 +12,7 @@ use std::path::PathBuf;
 
 /// Everything that ends a run early.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// A recording, set-up or result folder that cannot be used.
     #[error(transparent)]

@@ -7,7 +7,7 @@ mod reader;
 mod tree;
 
 pub use names::{Found, resolve};
-pub use reader::read_crate;
+pub use reader::{imports, read_crate};
 pub use tree::{Mention, Module, Tree};
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 //! Research 8, 1999, section 2.1). Frames follow each other closely, so n is what the differences are worth as independent ones (Geyer's window), not the number of frames.
 
 use sinew_core::diagnostics::effective_sample_size;
+use sinew_core::estimators::mean;
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
 /// Probabilities of the intervals of ours.
@@ -114,11 +115,6 @@ pub fn agreement(pairs: &[Pair], shift: f64) -> Option<Agreement> {
         inside: share_inside(pairs, 0.0, |pair| pair.sd),
         inside_within: share_inside(pairs, shift, |pair| pair.sd_within),
     })
-}
-
-/// Mean; NaN of nothing.
-pub(super) fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }
 
 #[cfg(test)]

@@ -2,13 +2,14 @@
 //!
 //! Angles of one name have other zeros in other programs, so the misfit of an offset in time is the mean square of the differences without the mean of each angle. Whole turns between the two are taken off.
 
-use super::agreement::{Pair, mean};
+use super::agreement::Pair;
 use super::clock::{BestOffset, best_offset, possible, thinned};
 use super::clusters::{MOST, ResidualRow, standard_deviations};
 use super::estimates::Estimates;
 use super::outcome::{Alignment, ComparedSeries, PartsToAlign};
 use super::points::{LEAST_FRAMES, Unaligned};
 use super::sampled::Sampled;
+use sinew_core::estimators::mean;
 
 const COARSE: usize = 300;
 const FINE: usize = 4000;

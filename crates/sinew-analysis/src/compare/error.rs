@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 /// A result and a reference that cannot be compared.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum CompareError {
     /// A name of the mapping that is not there.
     #[error("`{name}` of the mapping is no point of the {whose}{}", suggested(nearest))]

@@ -1,8 +1,9 @@
 //! What a comparison found.
 
-use super::agreement::{Agreement, Pair, agreement, mean};
+use super::agreement::{Agreement, Pair, agreement};
 use super::clock::RivalOffset;
 use super::rigid::Similarity;
+use sinew_core::estimators::mean;
 
 /// What of a reference is aligned with the result.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

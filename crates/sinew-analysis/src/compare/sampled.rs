@@ -2,6 +2,8 @@
 //!
 //! Between two frames a cubic through four (Lagrange) where all four are there, else a line. Motion of 50 m/s² sampled at 100 Hz is off by 0.6 mm with the line and less than that with the cubic.
 
+use sinew_core::estimators::median;
+
 /// Values of some channels over time, with gaps.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Sampled<const D: usize> {
@@ -26,8 +28,7 @@ impl<const D: usize> Sampled<D> {
     /// Times rise; a channel has a value for each.
     pub(super) fn new(times_s: Vec<f64>, channels: Vec<Vec<Option<[f64; D]>>>) -> Self {
         let mut steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        steps.sort_by(f64::total_cmp);
-        let step_s = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
+        let step_s = if steps.is_empty() { 0.0 } else { median(&mut steps) };
         Self { times_s, largest_step_s: GAP * step_s, step_s, channels }
     }
 

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 /// Results that no gait can be read from.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum GaitError {
     /// A body without the points that a gait is read from.
     #[error("{}: no {}; the body has {}", file.display(), wanted.join(" and no "), found.join(", "))]

@@ -17,6 +17,7 @@
 use super::events::{GaitEvent, GaitEventKind};
 use super::varied::Varied;
 use super::walk::{Path3, Walk};
+use sinew_core::estimators::median;
 
 /// Part of a stride after a heel strike in which the foot lies flat: from the end of loading to before the heel rises (Perry & Burnfield, *Gait Analysis*, 2nd ed. 2010, chapter 3).
 const FLAT: [f64; 2] = [0.12, 0.30];
@@ -66,8 +67,10 @@ pub(super) fn strides(walk: &Walk, events: &[GaitEvent]) -> Vec<Stride> {
     let offs = [0, 1].map(|side| own(side, GaitEventKind::ToeOff).collect::<Vec<_>>());
     let between = |pair: &[&GaitEvent]| pair[1].time_s - pair[0].time_s;
     let mut times: Vec<f64> = strikes.iter().flat_map(|own| own.windows(2).map(between)).collect();
-    times.sort_by(f64::total_cmp);
-    let Some(&usual_s) = times.get(times.len() / 2) else { return vec![] };
+    if times.is_empty() {
+        return vec![];
+    }
+    let usual_s = median(&mut times);
     let contacts = [0, 1].map(|side: usize| {
         let place = |event: &GaitEvent| place(walk, &walk.feet[side].heel.1, event.time_s, usual_s);
         strikes[side].iter().map(|event| Contact { event, place: place(event) }).collect::<Vec<_>>()

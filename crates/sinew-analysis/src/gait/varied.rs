@@ -1,5 +1,7 @@
 //! A number with its draws, and what follows from them.
 
+use sinew_core::estimators::quantile;
+
 /// A number and the same number in every draw.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Varied {
@@ -37,13 +39,7 @@ pub(super) fn interval(draws: &[f64]) -> Option<[f64; 2]> {
     }
     let mut sorted = draws.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        let place = share * (sorted.len() - 1) as f64;
-        let below = place.floor() as usize;
-        let above = (below + 1).min(sorted.len() - 1);
-        sorted[below] + (place - place.floor()) * (sorted[above] - sorted[below])
-    };
-    Some([at(0.05), at(0.95)])
+    Some([0.05, 0.95].map(|p| quantile(&sorted, p)))
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 /// A result that OpenSim cannot be given.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum OpensimError {
     /// A point without which a model cannot be scaled.
     #[error("{}: no `{missing}` {}", folder.display(), whose(model))]

@@ -8,6 +8,7 @@ use super::error::OpensimError;
 use super::marker_set::ModelMarker;
 use crate::Error;
 use sinew::files::read_text;
+use sinew_core::estimators::mean;
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::tidy_csv::{self, Cell};
 use std::path::Path;
@@ -56,7 +57,7 @@ impl MarkerWeights {
         let frames = self.precisions.len() as f64;
         let mean_square = |marker: usize| self.precisions.iter().map(|row| row[marker].recip()).sum::<f64>() / frames;
         let precisions: Vec<f64> = (0..self.names.len()).map(|marker| mean_square(marker).recip()).collect();
-        let mean = precisions.iter().sum::<f64>() / precisions.len() as f64;
+        let mean = mean(&precisions);
         precisions.iter().map(|precision| rounded(precision / mean)).collect()
     }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 /// Images or settings from which no masks can be made.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum SegmentError {
     /// A setting whose value is out of its range.
     #[error("{} is {value}; it must be {range}", flag(setting))]

@@ -2,6 +2,7 @@
 
 /// Masks or solids that cannot be compared.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ShapeFitError {
     /// Solids that no body has.
     #[error("{0}")]

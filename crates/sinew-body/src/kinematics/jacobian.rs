@@ -3,24 +3,18 @@
 use super::plan::Plan;
 use super::positions::Record;
 use super::vector::{cross_add, load3, v3};
-use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, dispatch_one, get_lane, set_lane};
+use sinew_core::lanes::{Block, Isa, LANES, LaneMap, Real, get_lane, map_block, map_one, set_lane};
 
-struct Jacobian<'a, M> {
-    plan: &'a Plan,
-    q: &'a [M],
-    positions: &'a mut [M],
-    jacobian: &'a mut [M],
-    ws: &'a mut [M],
-}
+struct Jacobian<'a>(&'a Plan);
 
-impl<M: Copy> Kernel<M> for Jacobian<'_, M> {
+impl LaneMap<1, 2> for Jacobian<'_> {
     #[inline(always)]
-    fn run<V: Real<Mem = M>>(&mut self) {
-        let plan = self.plan;
-        let mut pass = plan.pass(self.ws);
-        let (out, _) = self.positions.as_chunks_mut::<3>();
-        plan.forward::<V, true>(self.q, &mut pass, &mut Record { order: plan.order(), out: &mut *out });
-        for entry in &mut *self.jacobian {
+    fn run<V: Real>(&self, [q]: [&[V::Mem]; 1], [positions, jacobian]: [&mut [V::Mem]; 2], ws: &mut [V::Mem]) {
+        let plan = self.0;
+        let mut pass = plan.pass(ws);
+        let out = positions.as_chunks_mut::<3>().0;
+        plan.forward::<V, true>(q, &mut pass, &mut Record { order: plan.order(), out: &mut *out });
+        for entry in &mut *jacobian {
             V::splat(0.0).store(entry);
         }
         for (&k, &link) in plan.order().iter().zip(&plan.link_of) {
@@ -35,7 +29,7 @@ impl<M: Copy> Kernel<M> for Jacobian<'_, M> {
                     let turns = j >= link.first + link.translations;
                     let moves = if turns { cross_add(u, arm, [V::splat(0.0); 3]) } else { u };
                     for (axis, x) in moves.into_iter().enumerate() {
-                        x.store(&mut self.jacobian[(3 * k + axis) * plan.dof() + j]);
+                        x.store(&mut jacobian[(3 * k + axis) * plan.dof() + j]);
                     }
                 }
                 above = link.parent;
@@ -46,7 +40,7 @@ impl<M: Copy> Kernel<M> for Jacobian<'_, M> {
 
 /// Positions of all points and their derivatives: `jacobian[(3 k + a) · dof + j] = ∂P_k,a / ∂q_j`. For fitting, not for hot loops.
 pub fn point_jacobian(plan: &Plan, isa: Isa, q: &[f64], positions: &mut [f64], jacobian: &mut [f64]) {
-    dispatch_one(isa, Jacobian { plan, q, positions, jacobian, ws: &mut vec![0.0; plan.workspace()] });
+    map_one(isa, &Jacobian(plan), [q], [positions, jacobian], plan.workspace());
 }
 
 /// [`point_jacobian`] of states that stand one after the other, eight at a time; so do their positions (metres) and derivatives.
@@ -57,8 +51,7 @@ pub fn point_jacobian_each(plan: &Plan, isa: Isa, states: &[f64], positions: &mu
     let results = positions.chunks_mut(LANES * width).zip(jacobians.chunks_mut(LANES * width * d));
     for (states, (positions, jacobians)) in states.chunks(LANES * d).zip(results) {
         states.chunks_exact(d).enumerate().for_each(|(lane, state)| set_lane(&mut block, lane, state));
-        let (q, ws) = (&block[..], &mut ws[..]);
-        dispatch(isa, Jacobian { plan, q, positions: &mut at, jacobian: &mut by_state, ws });
+        map_block(isa, &Jacobian(plan), [&block], [&mut at, &mut by_state], &mut ws);
         positions.chunks_exact_mut(width).enumerate().for_each(|(lane, out)| get_lane(&at, lane, out));
         jacobians.chunks_exact_mut(width * d).enumerate().for_each(|(lane, out)| get_lane(&by_state, lane, out));
     }

@@ -3,7 +3,7 @@
 use super::plan::Plan;
 use super::vector::{V3, store3};
 use super::visit::Visit;
-use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch, dispatch_one, get_lane, set_lane};
+use sinew_core::lanes::{Block, Isa, LANES, LaneMap, Real, get_lane, map_block, map_one, set_lane};
 
 /// Writes positions in the caller's order.
 pub(super) struct Record<'a, M> {
@@ -19,30 +19,24 @@ impl<V: Real> Visit<V> for Record<'_, V::Mem> {
     }
 }
 
-struct Positions<'a, M> {
-    plan: &'a Plan,
-    q: &'a [M],
-    out: &'a mut [M],
-    ws: &'a mut [M],
-}
+struct Positions<'a>(&'a Plan);
 
-impl<M: Copy> Kernel<M> for Positions<'_, M> {
+impl LaneMap<1, 1> for Positions<'_> {
     #[inline(always)]
-    fn run<V: Real<Mem = M>>(&mut self) {
-        let (out, _) = self.out.as_chunks_mut::<3>();
-        let mut record = Record { order: self.plan.order(), out };
-        self.plan.sweep::<V, false>(self.q, &mut [], self.ws, &mut record);
+    fn run<V: Real>(&self, [q]: [&[V::Mem]; 1], [out]: [&mut [V::Mem]; 1], ws: &mut [V::Mem]) {
+        let mut record = Record { order: self.0.order(), out: out.as_chunks_mut::<3>().0 };
+        self.0.sweep::<V, false>(q, &mut [], ws, &mut record);
     }
 }
 
 /// World positions of all points of the plan for one state: `out[3 k..3 k + 3]` is point k, metres.
 pub fn point_positions(plan: &Plan, isa: Isa, q: &[f64], out: &mut [f64]) {
-    dispatch_one(isa, Positions { plan, q, out, ws: &mut vec![0.0; plan.workspace()] });
+    map_one(isa, &Positions(plan), [q], [out], plan.workspace());
 }
 
 /// World positions of all points of the plan for a block of states, with the caller's workspace of [`Plan::workspace`] blocks.
 pub fn point_positions_block(plan: &Plan, isa: Isa, q: &[Block], out: &mut [Block], ws: &mut [Block]) {
-    dispatch(isa, Positions { plan, q, out, ws });
+    map_block(isa, &Positions(plan), [q], [out], ws);
 }
 
 /// Positions of all points in some states that stand one after the other, eight at a time.

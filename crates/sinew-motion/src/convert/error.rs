@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 /// A motion that cannot be read or converted.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum MotionError {
     /// A file of another extension.
     #[error("{}: no motion format has the extension `.{extension}`", path.display())]

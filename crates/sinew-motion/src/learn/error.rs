@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 /// Motion from which nothing can be learned.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum LearnError {
     /// An AMC file without a skeleton beside it.
     #[error("{}: neither `{sought}` nor one single .asf file is beside it", path.display())]

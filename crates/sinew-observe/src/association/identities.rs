@@ -16,7 +16,7 @@ use crate::association::identities_joining::{Naming, Stay, joined};
 use crate::association::view_partition::{partition, relative_distance};
 use crate::association::{Config, Person, PersonGroup, distance_px, person_size_px, projected, size_px, triangulated};
 use crate::cameras::camera::Camera;
-use sinew_core::estimators::median;
+use sinew_core::estimators::{mean, median};
 
 /// Distance in space up to which a group is somebody who is there, metres.
 const SAME_PLACE_M: f64 = 0.3;
@@ -185,7 +185,7 @@ impl<'a> Identities<'a> {
         for (log_lengths, sides) in known.stay.log_lengths.iter_mut().zip(&self.segments) {
             let seen: Vec<f64> =
                 sides.iter().filter_map(|ends| Some(length(points, *ends)?.ln())).filter(|x| x.is_finite()).collect();
-            log_lengths.extend((!seen.is_empty()).then(|| seen.iter().sum::<f64>() / seen.len() as f64));
+            log_lengths.extend((!seen.is_empty()).then(|| mean(&seen)));
         }
         let place =
             [0, 1, 2].map(|axis: usize| median(&mut points.iter().flatten().map(|p| p[axis]).collect::<Vec<_>>()));

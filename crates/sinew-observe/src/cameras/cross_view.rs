@@ -9,8 +9,9 @@
 
 use crate::association::Person;
 use crate::cameras::camera::Camera;
-use crate::cameras::offsets::{CameraNoise, Sighted, median, point_from_views};
+use crate::cameras::offsets::{CameraNoise, Sighted, point_from_views};
 use crate::cameras::triangulate::{Seen, linear};
+use sinew_core::estimators::median;
 
 /// Pixels in camera `camera` that the other cameras' detections lead to expect; all `None` with fewer than two others.
 #[must_use]

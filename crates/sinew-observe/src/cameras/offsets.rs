@@ -21,7 +21,7 @@ use crate::cameras::camera::Camera;
 use crate::cameras::triangulate::{self, Refined, Seen, linear, refined};
 use crate::keypoints::keypoint_model::Detection;
 use nalgebra::{Matrix2x3, Matrix3};
-pub use sinew_core::estimators::median;
+use sinew_core::estimators::median;
 
 /// The tracked person's keypoints in one frame: camera by camera, empty where they were not found.
 pub type Sighted = Vec<Vec<Option<Detection>>>;

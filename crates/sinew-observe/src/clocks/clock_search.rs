@@ -7,6 +7,7 @@
 use crate::association::{Config, Person, usable};
 use crate::cameras::camera::Camera;
 use nalgebra::{Matrix3, Vector3};
+use sinew_core::estimators::mean;
 
 /// Distance of rays that says no more than that they do not meet, metres.
 const FARTHEST_M: f64 = 0.2;
@@ -92,7 +93,7 @@ fn pair_costs(apart: Vector3<f64>, first: &[Vec<Rays>], second: &[Vec<Rays>], mo
             let other = second.get(frame.checked_add_signed(lag as isize)?)?;
             let nearest = |a: &Rays| other.iter().filter_map(|b| distance(apart, a, b)).min_by(f64::total_cmp);
             let distances: Vec<f64> = first[*frame].iter().filter_map(nearest).collect();
-            (!distances.is_empty()).then(|| distances.iter().sum::<f64>() / distances.len() as f64)
+            (!distances.is_empty()).then(|| mean(&distances))
         };
         let distances: Vec<f64> = looked.iter().filter_map(nearest).collect();
         let mean = distances.iter().sum::<f64>() / distances.len().max(1) as f64;

@@ -85,7 +85,7 @@ pub fn fit_pixels(
     point_positions(plan, ISA, &pose, &mut positions);
     let mut distances: Vec<f64> =
         residuals(plan, views, detections, &positions).filter_map(|(_, _, r)| r.map(|[u, v]| u.hypot(v))).collect();
-    PixelFit { pose, cost, median_px: crate::cameras::offsets::median(&mut distances) }
+    PixelFit { pose, cost, median_px: sinew_core::estimators::median(&mut distances) }
 }
 
 /// Squared distance from the start, in prior standard deviations.

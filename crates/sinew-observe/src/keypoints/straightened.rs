@@ -3,7 +3,8 @@
 //! In each camera a pair of limbs is as named or exchanged, frame by frame. The likeliest sequence (Viterbi) pays for every exchanged frame its odds (e⁴ to one against it), and for every keypoint that moves by d pixels from a frame to
 //! the next `min(½ d²/m², 8)`, with m the median of all moves in that camera. Limbs that cross in the image can be followed either way; the odds bring them back to their names.
 
-use crate::cameras::offsets::{Sighted, median};
+use crate::cameras::offsets::Sighted;
+use sinew_core::estimators::median;
 
 /// Log odds against exchanged sides in a frame.
 const ODDS: f64 = 4.0;

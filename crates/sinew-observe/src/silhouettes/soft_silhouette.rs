@@ -20,7 +20,7 @@ use sinew_body::flesh::Flesh;
 use sinew_body::kinematics::{Inform, V3, Visit};
 use sinew_body::{Error, KinematicTree, Plan, Point, point_positions_block};
 use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
-use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
+use sinew_core::lanes::{Block, Isa, LANES, LaneMap, Real, map_block};
 use std::sync::Arc;
 
 /// Points on the axis of a solid.
@@ -193,12 +193,12 @@ impl SoftSilhouette {
 }
 
 /// Numbers that were written down for each point.
-struct Given<'a, const N: usize> {
+struct Given<'a, M, const N: usize> {
     order: &'a [usize],
-    numbers: &'a [[Block; N]],
+    numbers: &'a [[M; N]],
 }
 
-impl<V: Real<Mem = Block>> Visit<V> for Given<'_, 3> {
+impl<V: Real> Visit<V> for Given<'_, V::Mem, 3> {
     #[inline(always)]
     fn point(&mut self, k: usize, _: V3<V>) -> V3<V> {
         let [x, y, z] = &self.numbers[self.order[k]];
@@ -206,7 +206,7 @@ impl<V: Real<Mem = Block>> Visit<V> for Given<'_, 3> {
     }
 }
 
-impl<V: Real<Mem = Block>> Inform<V> for Given<'_, 6> {
+impl<V: Real> Inform<V> for Given<'_, V::Mem, 6> {
     #[inline(always)]
     fn information(&self, k: usize, _: V3<V>) -> [V; 6] {
         let [xx, xy, xz, yy, yz, zz] = &self.numbers[self.order[k]];
@@ -214,41 +214,29 @@ impl<V: Real<Mem = Block>> Inform<V> for Given<'_, 6> {
     }
 }
 
-struct Pull<'a> {
-    plan: &'a Plan,
-    x: &'a [Block],
-    forces: &'a [Block],
-    grad: &'a mut [Block],
-    ws: &'a mut [Block],
-}
+struct Pull<'a>(&'a Plan);
 
-impl Kernel<Block> for Pull<'_> {
+impl LaneMap<2, 1> for Pull<'_> {
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(&mut self) {
-        let mut given = Given { order: self.plan.order(), numbers: self.forces.as_chunks::<3>().0 };
-        self.plan.walk::<V, true>(self.x, self.grad, self.ws, &mut given);
-        for g in &mut *self.grad {
+    fn run<V: Real>(&self, [x, forces]: [&[V::Mem]; 2], [grad]: [&mut [V::Mem]; 1], ws: &mut [V::Mem]) {
+        let mut given = Given { order: self.0.order(), numbers: forces.as_chunks::<3>().0 };
+        self.0.walk::<V, true>(x, grad, ws, &mut given);
+        for g in grad {
             (-V::load(g)).store(g);
         }
     }
 }
 
-struct Curve<'a, const DIAGONAL: bool> {
-    plan: &'a Plan,
-    x: &'a [Block],
-    informations: &'a [Block],
-    out: &'a mut [Block],
-    ws: &'a mut [Block],
-}
+struct Curve<'a, const DIAGONAL: bool>(&'a Plan);
 
-impl<const DIAGONAL: bool> Kernel<Block> for Curve<'_, DIAGONAL> {
+impl<const DIAGONAL: bool> LaneMap<2, 1> for Curve<'_, DIAGONAL> {
     #[inline(always)]
-    fn run<V: Real<Mem = Block>>(&mut self) {
-        let given = Given { order: self.plan.order(), numbers: self.informations.as_chunks::<6>().0 };
+    fn run<V: Real>(&self, [x, informations]: [&[V::Mem]; 2], [out]: [&mut [V::Mem]; 1], ws: &mut [V::Mem]) {
+        let given = Given { order: self.0.order(), numbers: informations.as_chunks::<6>().0 };
         if DIAGONAL {
-            self.plan.gauss_newton_diagonal::<V>(self.x, self.ws, self.out, &given);
+            self.0.gauss_newton_diagonal::<V>(x, ws, out, &given);
         } else {
-            self.plan.gauss_newton::<V>(self.x, self.ws, self.out, &given);
+            self.0.gauss_newton::<V>(x, ws, out, &given);
         }
     }
 }
@@ -286,7 +274,7 @@ impl GradLogDensity for SoftSilhouette {
         let energy = self.evidence_block(x, ws);
         let n = self.points();
         let (forces, rest) = ws[3 * n..].split_at_mut(3 * n);
-        dispatch(self.model.isa, Pull { plan: &self.model.plan, x, forces, grad, ws: &mut rest[6 * n..] });
+        map_block(self.model.isa, &Pull(&self.model.plan), [x, forces], [grad], &mut rest[6 * n..]);
         Block(energy.0.map(|energy| -energy))
     }
 }
@@ -296,13 +284,13 @@ impl GaussNewton for SoftSilhouette {
         self.evidence_block(x, ws);
         let n = self.points();
         let (informations, rest) = ws[6 * n..].split_at_mut(6 * n);
-        dispatch(self.model.isa, Curve::<true> { plan: &self.model.plan, x, informations, out: diagonal, ws: rest });
+        map_block(self.model.isa, &Curve::<true>(&self.model.plan), [x, informations], [diagonal], rest);
     }
 
     fn gauss_newton_block(&self, x: &[Block], matrix: &mut [Block], ws: &mut [Block]) {
         self.evidence_block(x, ws);
         let n = self.points();
         let (informations, rest) = ws[6 * n..].split_at_mut(6 * n);
-        dispatch(self.model.isa, Curve::<false> { plan: &self.model.plan, x, informations, out: matrix, ws: rest });
+        map_block(self.model.isa, &Curve::<false>(&self.model.plan), [x, informations], [matrix], rest);
     }
 }

@@ -6,6 +6,7 @@ use super::facts::Facts;
 use super::table_file;
 use crate::Error;
 use sinew_body::points::distance;
+use sinew_core::estimators::mean;
 use sinew_formats::point_table::PointTable;
 use sinew_motion::convert;
 use sinew_results::action_trace::{ActionTrace, PartActions};
@@ -64,7 +65,7 @@ fn joint_errors(found: &Path, truth: &Path) -> Result<Vec<(f64, f64)>, Error> {
     let error = |(second, frame): (&f64, &Vec<Option<[f64; 3]>>)| {
         let truth = at(second)?;
         let apart: Vec<f64> = pairs.iter().filter_map(|&(i, j)| Some(distance(frame[i]?, truth[j]?))).collect();
-        (!apart.is_empty()).then(|| (*second, 1e3 * apart.iter().sum::<f64>() / apart.len() as f64))
+        (!apart.is_empty()).then(|| (*second, 1e3 * mean(&apart)))
     };
     let errors: Vec<(f64, f64)> = a.time_s.iter().zip(&a.frames).filter_map(error).collect();
     match errors.is_empty() {

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 /// Paths that cannot be inspected as they were given.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum InspectError {
     /// A motion beside several skeletons.
     #[error("{} has one skeleton; given: {} and {}", motion.display(), first.display(), second.display())]

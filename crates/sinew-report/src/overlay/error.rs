@@ -4,6 +4,7 @@ use sinew_input::flag::flag;
 
 /// Pictures that cannot be drawn.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum OverlayError {
     /// Solids that do not fit the body.
     #[error("{0}")]

@@ -3,8 +3,8 @@
 use super::doubts::doubts;
 use super::html::{escaped, with_code};
 use super::recorded::{Recorded, RecordedPoint};
+use sinew_core::estimators::median;
 use sinew_input::flag::flag;
-use sinew_observe::cameras::offsets::median;
 
 /// What the intervals are worth in a few words, as HTML, with the sentence of a validation if there was one.
 pub(super) fn verdict(recorded: &Recorded, validated: Option<&str>) -> String {

@@ -1,6 +1,7 @@
 //! What a run is worth: effective samples a second and a gradient, and agreement with the long run.
 
 use sinew::core::diagnostics::{bulk_ess, mcse_of_mean};
+use sinew::core::estimators::median;
 use sinew_tests::problem28;
 use std::fmt;
 use std::fs;
@@ -94,10 +95,9 @@ impl Row {
     /// Medians of all numbers, and the largest z.
     pub fn median(rows: &[Self]) -> Self {
         let mut numbers = [f64::NAN; 11];
-        for (k, median) in numbers.iter_mut().enumerate() {
+        for (k, middle) in numbers.iter_mut().enumerate() {
             let mut values: Vec<f64> = rows.iter().map(|row| row.numbers[k]).collect();
-            values.sort_by(f64::total_cmp);
-            *median = values.get(values.len() / 2).copied().unwrap_or(f64::NAN);
+            *middle = median(&mut values);
         }
         Self { numbers, z: rows.iter().map(|row| row.z).fold(0.0, f64::max) }
     }

@@ -1,13 +1,13 @@
 //! Means, medians and verdicts of what runs have left.
 
 use super::table::with_spread;
+use sinew::core::estimators;
 pub(crate) use sinew_tests::finding::mean_and_error;
 use std::borrow::Borrow;
 
 /// Mean; NaN of nothing.
 pub(crate) fn mean(values: impl IntoIterator<Item = impl Borrow<f64>>) -> f64 {
-    let (sum, count) = values.into_iter().fold((0.0, 0.0), |(sum, count), x| (sum + x.borrow(), count + 1.0));
-    sum / count
+    estimators::mean(&values.into_iter().map(|x| *x.borrow()).collect::<Vec<f64>>())
 }
 
 /// Root of the mean square.
@@ -23,7 +23,7 @@ pub(crate) fn with_error(values: &[f64], decimals: usize) -> String {
 
 /// Median; NaN of nothing.
 pub(crate) fn median(values: impl IntoIterator<Item = impl Borrow<f64>>) -> f64 {
-    sinew::observe::cameras::offsets::median(&mut values.into_iter().map(|x| *x.borrow()).collect::<Vec<f64>>())
+    estimators::median(&mut values.into_iter().map(|x| *x.borrow()).collect::<Vec<f64>>())
 }
 
 /// The value below which a share lies, that of the nearest rank; none of nothing.

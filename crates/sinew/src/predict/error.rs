@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 /// A result, calibration or camera that gives no prediction.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PredictError {
     /// Results without draws of keypoints in space.
     #[error("{}: no draws of where keypoints lie in space", .0.display())]

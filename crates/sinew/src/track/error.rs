@@ -7,6 +7,7 @@ use std::path::PathBuf;
 
 /// A recording that cannot be tracked as it stands, or numbers that fail.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum TrackError {
     /// A camera that the set-up lacks.
     #[error("the set-up knows no camera `{camera}`; it has {}", known.join(", "))]

@@ -14,6 +14,7 @@ use crate::setup::lasting_draws::{detected, deviations, world_shifts};
 use sinew_body::point_derivatives::Neighbours;
 use sinew_body::{KinematicTree, point_positions_each};
 use sinew_core::combinations::add_combinations;
+use sinew_core::estimators::mean;
 use sinew_core::lanes::{Block, numbers_mut};
 use sinew_core::random::Stage;
 use sinew_core::transition::Moments;
@@ -157,8 +158,8 @@ impl Lasting {
         // Without their mean, which would move the estimate.
         for row in normal.chunks_exact_mut(self.drawn.blocks) {
             let row = &mut numbers_mut(row)[..self.draws];
-            let mean = row.iter().sum::<f64>() / row.len() as f64;
-            row.iter_mut().for_each(|x| *x -= mean);
+            let middle = mean(row);
+            row.iter_mut().for_each(|x| *x -= middle);
         }
         add_combinations(self.drawn.isa, &root(missing, dof), &normal, &mut states.values, self.drawn.blocks);
     }

@@ -64,32 +64,6 @@ impl Reader<'_> {
         self.tree.modules[self.module].mentions.push(Mention { path, is_import });
     }
 
-    /// Reads one branch of a tree of imports.
-    fn branch(&mut self, branch: &UseTree, mut path: Vec<String>, is_import: bool) {
-        let (last, name) = match branch {
-            UseTree::Path(inner) => {
-                path.push(inner.ident.to_string());
-                return self.branch(&inner.tree, path, is_import);
-            }
-            UseTree::Group(group) => {
-                return group.items.iter().for_each(|inner| self.branch(inner, path.clone(), is_import));
-            }
-            UseTree::Glob(_) => {
-                self.tree.modules[self.module].globs.push(path.clone());
-                return self.mention(path, is_import);
-            }
-            UseTree::Name(leaf) => (&leaf.ident, None),
-            UseTree::Rename(leaf) => (&leaf.ident, Some(leaf.rename.to_string())),
-        };
-        if last != "self" {
-            path.push(last.to_string());
-        }
-        if let Some(name) = name.or_else(|| path.last().cloned()) {
-            self.name(name, Meaning::Alias(path.clone()));
-        }
-        self.mention(path, is_import);
-    }
-
     /// An exported macro is an item of the root, defined elsewhere.
     fn export_macro(&mut self, name: String) {
         let mut path = vec![name.clone()];
@@ -103,6 +77,24 @@ impl Reader<'_> {
         path.reverse();
         self.tree.modules[0].names.entry(name).or_default().push(Meaning::Alias(path));
     }
+}
+
+/// The paths of a tree of imports after that path, each with its name here; a path of which all names are imported has none.
+pub fn imports(tree: &UseTree, mut path: Vec<String>) -> Vec<(Option<String>, Vec<String>)> {
+    let (last, name) = match tree {
+        UseTree::Path(inner) => {
+            path.push(inner.ident.to_string());
+            return imports(&inner.tree, path);
+        }
+        UseTree::Group(group) => return group.items.iter().flat_map(|inner| imports(inner, path.clone())).collect(),
+        UseTree::Glob(_) => return vec![(None, path)],
+        UseTree::Name(leaf) => (&leaf.ident, None),
+        UseTree::Rename(leaf) => (&leaf.ident, Some(leaf.rename.to_string())),
+    };
+    if last != "self" {
+        path.push(last.to_string());
+    }
+    vec![(name.or_else(|| path.last().cloned()), path)]
 }
 
 /// Name of an item, but of modules, imports and macros.
@@ -143,7 +135,13 @@ impl<'ast> Visit<'ast> for Reader<'_> {
     }
 
     fn visit_item_use(&mut self, item: &'ast syn::ItemUse) {
-        self.branch(&item.tree, Vec::new(), matches!(item.vis, Visibility::Inherited));
+        for (name, path) in imports(&item.tree, Vec::new()) {
+            match name {
+                Some(name) => self.name(name, Meaning::Alias(path.clone())),
+                None => self.tree.modules[self.module].globs.push(path.clone()),
+            }
+            self.mention(path, matches!(item.vis, Visibility::Inherited));
+        }
     }
 
     fn visit_item_macro(&mut self, item: &'ast syn::ItemMacro) {

@@ -4,6 +4,7 @@ use std::net::SocketAddr;
 
 /// Why frames cannot be tracked as they come.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum LiveError {
     /// A place from which no frames come.
     #[error("`{0}` is no place for frames to come from; expected `-` or `tcp:127.0.0.1:PORT`")]

@@ -1,6 +1,7 @@
 //! A frame's keypoints held against what the model says of them: what [`Predictive`](sinew_setup::predictive::Predictive) counts.
 
 use super::Scene;
+use sinew_core::estimators::mean;
 use sinew_observe::cameras::offsets::{CameraNoise, Sighted, point_from_views};
 use sinew_observe::cameras::triangulate::Refined;
 use sinew_observe::{Camera, Detection};
@@ -43,7 +44,7 @@ impl Scene {
             let residuals: Vec<Option<Residual>> = (0..self.keypoint.len()).map(residual).collect();
             let view = &self.model.views[c];
             let squares: Vec<f64> = met.iter().flatten().flatten().flatten().flat_map(|m| between(m, c)).collect();
-            let mean = squares.iter().sum::<f64>() / squares.len() as f64 / view.sigma_px.powi(2);
+            let mean = mean(&squares) / view.sigma_px.powi(2);
             let disagreement = (!squares.is_empty()).then_some(mean);
             self.predictive.camera(number, c, &residuals, disagreement);
         }
