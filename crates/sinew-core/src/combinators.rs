@@ -1,4 +1,4 @@
-//! Densities made of densities: [`Sum`], [`Tempered`], [`OnPart`], [`Through`].
+//! Densities made of densities: [`Sum`], [`Tempered`], [`OnPart`], [`GivenCurvature`], [`Through`].
 
 use crate::density::{GaussNewton, GradLogDensity, LogDensity};
 use crate::lanes::{Block, triangle};
@@ -226,6 +226,78 @@ impl<D: GaussNewton> GaussNewton for OnPart<D> {
     }
 }
 
+/// A density that has only a gradient, with a diagonal that the caller gives in place of its Gauss–Newton matrix, for what asks for one to choose its steps.
+///
+/// The diagonal changes no target: a sampler whose metric comes from it draws from the same density, the better the nearer the diagonal is to the inverse variances of the density's coordinates. With zeros a filter's metric is that of its prior, which serves while
+/// the observation says little more than the prior.
+///
+/// Law `given_curvature_keeps_the_density`: value and gradient are the density's.
+///
+/// ```
+/// use sinew_core::combinators::GivenCurvature;
+/// use sinew_core::density::{GaussNewton, GradLogDensity, LogDensity};
+///
+/// /// A place seen with an error of Laplace's kind: log p = −√(1 + (x / 0.1)²).
+/// struct Seen;
+/// impl LogDensity for Seen {
+///     fn dim(&self) -> usize {
+///         1
+///     }
+///     fn log_density(&self, x: &[f64]) -> f64 {
+///         -(10.0 * x[0]).hypot(1.0)
+///     }
+/// }
+/// impl GradLogDensity for Seen {
+///     fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
+///         grad[0] = -100.0 * x[0] / (10.0 * x[0]).hypot(1.0);
+///         self.log_density(x)
+///     }
+/// }
+/// fn steps(density: &impl GaussNewton) -> f64 {
+///     let mut diagonal = [0.0];
+///     density.gauss_newton_diagonal(&[0.3], &mut diagonal);
+///     diagonal[0].sqrt().recip()
+/// }
+/// assert_eq!(steps(&GivenCurvature { target: &Seen, diagonal: vec![100.0] }), 0.1);
+/// ```
+#[derive(Clone, Debug)]
+pub struct GivenCurvature<D> {
+    /// The density.
+    pub target: D,
+    /// Diagonal of the matrix, one entry a coordinate, in units of one over the square of the coordinate's; not negative.
+    pub diagonal: Vec<f64>,
+}
+
+impl<D: LogDensity> LogDensity for GivenCurvature<D> {
+    fn dim(&self) -> usize {
+        self.target.dim()
+    }
+    fn workspace(&self) -> usize {
+        self.target.workspace()
+    }
+    fn log_density(&self, x: &[f64]) -> f64 {
+        self.target.log_density(x)
+    }
+    fn log_density_block(&self, x: &[Block], ws: &mut [Block]) -> Block {
+        self.target.log_density_block(x, ws)
+    }
+}
+
+impl<D: GradLogDensity> GradLogDensity for GivenCurvature<D> {
+    fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
+        self.target.log_density_grad(x, grad)
+    }
+    fn log_density_grad_block(&self, x: &[Block], grad: &mut [Block], ws: &mut [Block]) -> Block {
+        self.target.log_density_grad_block(x, grad, ws)
+    }
+}
+
+impl<D: GradLogDensity> GaussNewton for GivenCurvature<D> {
+    fn gauss_newton_diagonal_block(&self, _x: &[Block], diagonal: &mut [Block], _ws: &mut [Block]) {
+        diagonal.iter_mut().zip(&self.diagonal).for_each(|(block, &entry)| *block = Block::splat(entry));
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -283,6 +355,16 @@ mod tests {
         let off = Tempered { target: Cliff, beta: 0.0 };
         assert_eq!(off.log_density(&[1.0, 0.0, 0.0]), f64::NEG_INFINITY);
         assert_eq!(off.log_density_block(&[Block::splat(1.0); 3], &mut []).0[0], f64::NEG_INFINITY);
+    }
+
+    #[test]
+    fn given_curvature_keeps_the_density() {
+        let given = GivenCurvature { target: target(), diagonal: vec![3.0, 0.0, 7.0] };
+        check_gradient(&given, &[0.1, 0.2, 0.3]);
+        assert_eq!(given.log_density(&[1.0, 2.0, 3.0]), target().log_density(&[1.0, 2.0, 3.0]));
+        let mut matrix = [Block::splat(f64::NAN); 6];
+        given.gauss_newton_block(&[Block::splat(9.0); 3], &mut matrix, &mut []);
+        assert_eq!(matrix.map(|entry| entry.0[4]), [3.0, 0.0, 0.0, 0.0, 0.0, 7.0]);
     }
 
     #[test]

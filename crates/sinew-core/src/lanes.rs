@@ -33,9 +33,11 @@
 //! ```
 #![allow(unsafe_code)]
 
+use crate::chacha;
 use crate::groups::{Group, in_groups, one_in_a_group};
 use core::marker::PhantomData;
 use core::ops::{Add, Div, Mul, Neg, Sub};
+use std::sync::OnceLock;
 
 /// States in a block, on every instruction set.
 pub const LANES: usize = 8;
@@ -127,7 +129,8 @@ impl Isa {
     /// The best set of this processor.
     #[must_use]
     pub fn best() -> Self {
-        Self::available()[0]
+        static BEST: OnceLock<Isa> = OnceLock::new();
+        *BEST.get_or_init(|| Self::available()[0])
     }
 
     /// What any processor of the target architecture runs.
@@ -251,6 +254,30 @@ pub fn dispatch<K: Kernel<Block>>(isa: Isa, mut kernel: K) {
         #[cfg(target_arch = "x86_64")]
         Kind::Avx2 => unsafe { x86::on_avx2(&mut kernel) },
         Kind::Baseline => kernel.run::<A8>(),
+    }
+}
+
+/// Runs a kernel over a block of states so that its bits do not depend on the instruction set: multiply, then add, in the largest registers that the processor has.
+#[inline]
+pub fn dispatch_unfused<K: Kernel<Block>>(mut kernel: K) {
+    match Isa::best().0 {
+        // SAFETY: as in `dispatch`.
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx512 => unsafe { x86::unfused_on_avx512(&mut kernel) },
+        // SAFETY: as in `dispatch`.
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx2 => unsafe { x86::unfused_on_avx2(&mut kernel) },
+        Kind::Baseline => kernel.run::<A8>(),
+    }
+}
+
+/// [`chacha::blocks`] by the best instructions of the processor.
+pub(crate) fn chacha_blocks(key: &chacha::Key, places: &chacha::Places, out: &mut [chacha::Words; 4]) {
+    match Isa::best().0 {
+        // SAFETY: as in `dispatch`.
+        #[cfg(target_arch = "x86_64")]
+        Kind::Avx512 | Kind::Avx2 => unsafe { x86::chacha_blocks(key, places, out) },
+        Kind::Baseline => chacha::blocks(key, places, out),
     }
 }
 
@@ -596,21 +623,32 @@ array_of_lanes!(A4, Group, [0 1 2 3]);
 mod x86 {
     use super::{
         Add, Block, Div, Group, HALF_BITS, Kernel, LANES, LaneMap, MANTISSA, Memory, Mul, Neg, ONE_BITS, PhantomData,
-        Real, SIGN, Sub, TWO52_BITS, TWO52_PLUS_BIAS, WORD_SHIFT, Word, exponent, from_word, half_pow2, mantissa,
+        Real, SIGN, Sub, TWO52_BITS, TWO52_PLUS_BIAS, WORD_SHIFT, Word, chacha, exponent, from_word, half_pow2, mantissa,
         negate_by_bit1, odd,
     };
     use core::arch::x86_64::*;
 
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma,bmi1,bmi2,popcnt")]
     pub(super) fn on_avx512<K: Kernel<Block>>(kernel: &mut K) {
-        kernel.run::<Z8>();
+        kernel.run::<Z8<true>>();
     }
 
     /// Half after half: with both at once, sixteen registers do not hold what a kernel works on.
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
     pub(super) fn on_avx2<K: Kernel<Block>>(kernel: &mut K) {
-        kernel.run::<Y4<0>>();
-        kernel.run::<Y4<4>>();
+        kernel.run::<Y4<0, true>>();
+        kernel.run::<Y4<4, true>>();
+    }
+
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma,bmi1,bmi2,popcnt")]
+    pub(super) fn unfused_on_avx512<K: Kernel<Block>>(kernel: &mut K) {
+        kernel.run::<Z8<false>>();
+    }
+
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+    pub(super) fn unfused_on_avx2<K: Kernel<Block>>(kernel: &mut K) {
+        kernel.run::<Y4<0, false>>();
+        kernel.run::<Y4<4, false>>();
     }
 
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx512bw,avx2,fma,bmi1,bmi2,popcnt")]
@@ -620,7 +658,7 @@ mod x86 {
         output: [&mut [Block]; O],
         ws: &mut [Block],
     ) {
-        map.run::<Z8>(input, output, ws);
+        map.run::<Z8<true>>(input, output, ws);
     }
 
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
@@ -630,7 +668,7 @@ mod x86 {
         output: [&mut [Group]; O],
         ws: &mut [Group],
     ) {
-        map.run::<Y4<0, Group>>(input, output, ws);
+        map.run::<Y4<0, true, Group>>(input, output, ws);
     }
 
     #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
@@ -645,11 +683,11 @@ mod x86 {
 
     /// Eight states in one register.
     #[derive(Clone, Copy)]
-    pub(super) struct Z8(__m512d);
+    pub(super) struct Z8<const FUSED: bool>(__m512d);
 
     /// Four states in one register: of a block those from lane `AT` on, or a group of four (`AT` is 0).
     #[derive(Clone, Copy)]
-    pub(super) struct Y4<const AT: usize, M = Block>(__m256d, PhantomData<M>);
+    pub(super) struct Y4<const AT: usize, const FUSED: bool, M = Block>(__m256d, PhantomData<M>);
 
     // SAFETY of all intrinsics below: these types are private to this module and constructed only inside the entry points
     // above, which enable every feature named by the intrinsics. Blocks are 64-byte aligned by their type; four numbers are
@@ -657,7 +695,7 @@ mod x86 {
 
     macro_rules! z8_operator {
         ($trait:ident, $fn:ident, $intrinsic:ident) => {
-            impl $trait for Z8 {
+            impl<const FUSED: bool> $trait for Z8<FUSED> {
                 type Output = Self;
                 #[inline(always)]
                 fn $fn(self, o: Self) -> Self {
@@ -670,16 +708,16 @@ mod x86 {
     z8_operator!(Sub, sub, _mm512_sub_pd);
     z8_operator!(Mul, mul, _mm512_mul_pd);
     z8_operator!(Div, div, _mm512_div_pd);
-    impl Neg for Z8 {
+    impl<const FUSED: bool> Neg for Z8<FUSED> {
         type Output = Self;
         #[inline(always)]
         fn neg(self) -> Self {
             Self(unsafe { _mm512_xor_pd(self.0, _mm512_set1_pd(-0.0)) })
         }
     }
-    impl Real for Z8 {
+    impl<const FUSED: bool> Real for Z8<FUSED> {
         type Mem = Block;
-        const FUSED: bool = true;
+        const FUSED: bool = FUSED;
         #[inline(always)]
         fn splat(x: f64) -> Self {
             Self(unsafe { _mm512_set1_pd(x) })
@@ -702,11 +740,11 @@ mod x86 {
         }
         #[inline(always)]
         fn fma(self, b: Self, c: Self) -> Self {
-            Self(unsafe { _mm512_fmadd_pd(self.0, b.0, c.0) })
+            if FUSED { Self(unsafe { _mm512_fmadd_pd(self.0, b.0, c.0) }) } else { self * b + c }
         }
         #[inline(always)]
         fn fnma(self, b: Self, c: Self) -> Self {
-            Self(unsafe { _mm512_fnmadd_pd(self.0, b.0, c.0) })
+            if FUSED { Self(unsafe { _mm512_fnmadd_pd(self.0, b.0, c.0) }) } else { c - self * b }
         }
         #[inline(always)]
         fn sqrt(self) -> Self {
@@ -770,7 +808,7 @@ mod x86 {
 
     macro_rules! y4_operator {
         ($trait:ident, $fn:ident, $intrinsic:ident) => {
-            impl<const AT: usize, M> $trait for Y4<AT, M> {
+            impl<const AT: usize, const FUSED: bool, M> $trait for Y4<AT, FUSED, M> {
                 type Output = Self;
                 #[inline(always)]
                 fn $fn(self, o: Self) -> Self {
@@ -783,16 +821,16 @@ mod x86 {
     y4_operator!(Sub, sub, _mm256_sub_pd);
     y4_operator!(Mul, mul, _mm256_mul_pd);
     y4_operator!(Div, div, _mm256_div_pd);
-    impl<const AT: usize, M> Neg for Y4<AT, M> {
+    impl<const AT: usize, const FUSED: bool, M> Neg for Y4<AT, FUSED, M> {
         type Output = Self;
         #[inline(always)]
         fn neg(self) -> Self {
             Self(unsafe { _mm256_xor_pd(self.0, _mm256_set1_pd(-0.0)) }, PhantomData)
         }
     }
-    impl<const AT: usize, M: Memory> Real for Y4<AT, M> {
+    impl<const AT: usize, const FUSED: bool, M: Memory> Real for Y4<AT, FUSED, M> {
         type Mem = M;
-        const FUSED: bool = true;
+        const FUSED: bool = FUSED;
         #[inline(always)]
         fn splat(x: f64) -> Self {
             Self(unsafe { _mm256_set1_pd(x) }, PhantomData)
@@ -818,11 +856,11 @@ mod x86 {
         }
         #[inline(always)]
         fn fma(self, b: Self, c: Self) -> Self {
-            Self(unsafe { _mm256_fmadd_pd(self.0, b.0, c.0) }, PhantomData)
+            if FUSED { Self(unsafe { _mm256_fmadd_pd(self.0, b.0, c.0) }, PhantomData) } else { self * b + c }
         }
         #[inline(always)]
         fn fnma(self, b: Self, c: Self) -> Self {
-            Self(unsafe { _mm256_fnmadd_pd(self.0, b.0, c.0) }, PhantomData)
+            if FUSED { Self(unsafe { _mm256_fnmadd_pd(self.0, b.0, c.0) }, PhantomData) } else { c - self * b }
         }
         #[inline(always)]
         fn sqrt(self) -> Self {
@@ -892,6 +930,54 @@ mod x86 {
                     Self(_mm256_sub_pd(_mm256_castsi256_pd(e), _mm256_set1_pd(TWO52_PLUS_BIAS)), PhantomData),
                     Self(_mm256_castsi256_pd(m), PhantomData),
                 )
+            }
+        }
+    }
+
+    /// [`chacha::blocks`] with a row of two blocks in a register, and two such pairs beside each other.
+    #[target_feature(enable = "avx2,fma,bmi1,bmi2,popcnt")]
+    pub(super) fn chacha_blocks(key: &chacha::Key, places: &chacha::Places, out: &mut [chacha::Words; 4]) {
+        // SAFETY: a row is four numbers, the places of two blocks are eight.
+        let row = |row: &[u32; 4]| unsafe { [_mm256_broadcastsi128_si256(_mm_loadu_si128(row.as_ptr().cast())); 2] };
+        let two = |at: usize| unsafe { _mm256_loadu_si256(places[at..at + 2].as_ptr().cast()) };
+        let before = [row(&chacha::CONSTANTS), row(&key[0]), row(&key[1]), [two(0), two(2)]];
+        let [mut a, mut b, mut c, mut d] = before;
+        macro_rules! mixed {
+            ($a:ident, $b:ident, $d:ident, $by:literal) => {
+                for k in 0..2 {
+                    $a[k] = _mm256_add_epi32($a[k], $b[k]);
+                    $d[k] = _mm256_xor_si256($d[k], $a[k]);
+                    $d[k] = _mm256_or_si256(_mm256_slli_epi32::<$by>($d[k]), _mm256_srli_epi32::<{ 32 - $by }>($d[k]));
+                }
+            };
+        }
+        macro_rules! round {
+            ($b:literal, $c:literal, $d:literal) => {
+                mixed!(a, b, d, 16);
+                mixed!(c, d, b, 12);
+                mixed!(a, b, d, 8);
+                mixed!(c, d, b, 7);
+                for k in 0..2 {
+                    b[k] = _mm256_shuffle_epi32::<$b>(b[k]);
+                    c[k] = _mm256_shuffle_epi32::<$c>(c[k]);
+                    d[k] = _mm256_shuffle_epi32::<$d>(d[k]);
+                }
+            };
+        }
+        for _ in 0..4 {
+            round!(0x39, 0x4e, 0x93);
+            round!(0x93, 0x4e, 0x39);
+        }
+        for k in 0..2 {
+            let [a, b] = [_mm256_add_epi32(a[k], before[0][k]), _mm256_add_epi32(b[k], before[1][k])];
+            let [c, d] = [_mm256_add_epi32(c[k], before[2][k]), _mm256_add_epi32(d[k], before[3][k])];
+            let of_first = [_mm256_permute2x128_si256::<0x20>(a, b), _mm256_permute2x128_si256::<0x20>(c, d)];
+            let of_second = [_mm256_permute2x128_si256::<0x31>(a, b), _mm256_permute2x128_si256::<0x31>(c, d)];
+            for (block, halves) in [(2 * k, of_first), (2 * k + 1, of_second)] {
+                for (words, half) in out[block].as_chunks_mut::<8>().0.iter_mut().zip(halves) {
+                    // SAFETY: eight words are as long as the register.
+                    unsafe { _mm256_storeu_si256(words.as_mut_ptr().cast(), half) }
+                }
             }
         }
     }
@@ -990,6 +1076,28 @@ mod tests {
                 }
             }
         }
+    }
+
+    struct Products<'a>([&'a Block; 3], &'a mut [Block; 2]);
+    impl Kernel<Block> for Products<'_> {
+        #[inline(always)]
+        fn run<V: Real<Mem = Block>>(&mut self) {
+            let [a, b, c] = [V::load(self.0[0]), V::load(self.0[1]), V::load(self.0[2])];
+            assert!(!V::FUSED);
+            a.fma(b, c).store(&mut self.1[0]);
+            a.fnma(b, c).store(&mut self.1[1]);
+        }
+    }
+
+    #[test]
+    fn unfused_kernels_have_the_bits_of_the_baseline() {
+        let [a, b] = [0.1, 0.7].map(|x| Block([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0].map(|k| k * x)));
+        let c = Block([0.0, -0.0, 1.0, 1e-17, 1e17, -1.26, f64::INFINITY, 3.0]);
+        let (mut found, mut expected) = ([Block::ZERO; 2], [Block::ZERO; 2]);
+        dispatch_unfused(Products([&a, &b, &c], &mut found));
+        dispatch(Isa::baseline(), Products([&a, &b, &c], &mut expected));
+        let bits = |blocks: &[Block]| numbers(blocks).iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&found), bits(&expected));
     }
 
     #[test]

@@ -3,6 +3,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod beside;
+mod chacha;
 pub mod combinations;
 pub mod combinators;
 mod compile_here;

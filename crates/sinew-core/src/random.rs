@@ -21,27 +21,25 @@
 //! assert!(noise.iter().all(|b| b.0.iter().all(|z| z.abs() < 6.8)));
 //! ```
 
+use crate::chacha::{Key, Stream, Words, first_blocks};
 use crate::elementary::{ln, sin_cos_turns};
-use crate::lanes::{Block, Isa, Kernel, LANES, Real, Word, dispatch, numbers};
-use rand::SeedableRng;
+use crate::lanes::{Block, Isa, Kernel, LANES, Real, Word, dispatch, dispatch_unfused, numbers};
 use rand::rand_core::{Infallible, TryRng};
-use rand_chacha::ChaCha8Rng;
+use std::ops::Range;
 
 /// Key and frame of one use of randomness.
 #[derive(Debug)]
 pub struct Stage {
-    key: [u8; 32],
+    key: Key,
     frame: u32,
 }
 
-fn derive(key: [u8; 32], name: &str) -> [u8; 32] {
+fn derive(key: Key, name: &str) -> Key {
     // FNV-1a of the name selects the stream from which the derived key is read.
     let hash = name.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |h, b| (h ^ u64::from(b)).wrapping_mul(0x0100_0000_01b3));
-    let mut rng = ChaCha8Rng::from_seed(key);
-    rng.set_stream(hash);
-    let mut derived = [0; 32];
-    rand::Rng::fill_bytes(&mut rng, &mut derived);
-    derived
+    let mut derived = [[Word::default(); 4]; 2];
+    Stream::new(key, hash).fill(derived.as_flattened_mut());
+    derived.map(|row| row.map(u32::from_le_bytes))
 }
 
 impl Stage {
@@ -50,7 +48,11 @@ impl Stage {
     pub fn new(seed: u64, purpose: &str) -> Self {
         let mut key = *b"sinew random stage 1 ........ ..";
         key[24..].copy_from_slice(&seed.to_le_bytes());
-        Self { key: derive(key, purpose), frame: 0 }
+        let mut words = Key::default();
+        for (word, bytes) in words.as_flattened_mut().iter_mut().zip(key.as_chunks().0) {
+            *word = u32::from_le_bytes(*bytes);
+        }
+        Self { key: derive(words, purpose), frame: 0 }
     }
 
     /// The same purpose at another frame.
@@ -74,9 +76,17 @@ impl Stage {
     /// The generator of one block of eight particles or chains.
     #[must_use]
     pub fn block(&self, block: u32) -> BlockRng {
-        let mut rng = ChaCha8Rng::from_seed(self.key);
-        rng.set_stream(u64::from(self.frame) << 32 | u64::from(block));
-        BlockRng { generator: rng, normals: [Block::ZERO; 2], left: 0 }
+        BlockRng { stream: Stream::new(self.key, self.stream(block)), normals: [Block::ZERO; 2], left: 0 }
+    }
+
+    /// The generators of blocks that are asked for one after the other: the same numbers in less time.
+    #[must_use]
+    pub fn blocks(&self) -> BlockRngs<'_> {
+        BlockRngs { stage: self, rng: self.block(0), first: [[Word::default(); 16]; 4], ahead: 0..0 }
+    }
+
+    fn stream(&self, block: u32) -> u64 {
+        u64::from(self.frame) << 32 | u64::from(block)
     }
 
     /// The generator of a verb that is not divided into blocks.
@@ -89,33 +99,64 @@ impl Stage {
 /// Random numbers for one block; a [`rand::Rng`].
 #[derive(Clone, Debug)]
 pub struct BlockRng {
-    generator: ChaCha8Rng,
+    stream: Stream,
     /// Deviates for [`BlockRng::normal`], of which the first `left` have not been drawn.
     normals: [Block; 2],
     left: usize,
 }
 
+/// The generators of a stage's blocks ([`Stage::blocks`]).
+#[derive(Clone, Debug)]
+pub struct BlockRngs<'a> {
+    stage: &'a Stage,
+    rng: BlockRng,
+    /// What the streams of four blocks begin with.
+    first: [Words; 4],
+    /// The four blocks.
+    ahead: Range<u64>,
+}
+
+impl BlockRngs<'_> {
+    /// What [`Stage::block`] gives.
+    pub fn block(&mut self, block: u32) -> &mut BlockRng {
+        if !self.ahead.contains(&u64::from(block)) {
+            self.ahead = u64::from(block)..u64::from(block) + 4;
+            let streams = [0, 1, 2, 3].map(|k| self.stage.stream(block.wrapping_add(k)));
+            first_blocks(&self.stage.key, streams, &mut self.first);
+        }
+        let first = &self.first[(u64::from(block) - self.ahead.start) as usize];
+        self.rng.stream.restart(self.stage.stream(block), first);
+        self.rng.left = 0;
+        &mut self.rng
+    }
+}
+
 impl TryRng for BlockRng {
     type Error = Infallible;
     fn try_next_u32(&mut self) -> Result<u32, Infallible> {
-        self.generator.try_next_u32()
+        let [word] = self.stream.next();
+        Ok(u32::from_le_bytes(word))
     }
     fn try_next_u64(&mut self) -> Result<u64, Infallible> {
-        self.generator.try_next_u64()
+        let [low, high] = self.stream.next().map(|word| u64::from(u32::from_le_bytes(word)));
+        Ok(high << 32 | low)
     }
     fn try_fill_bytes(&mut self, dst: &mut [u8]) -> Result<(), Infallible> {
-        self.generator.try_fill_bytes(dst)
+        let (words, rest) = dst.as_chunks_mut();
+        self.stream.fill(words);
+        if !rest.is_empty() {
+            let [word] = self.stream.next();
+            rest.copy_from_slice(&word[..rest.len()]);
+        }
+        Ok(())
     }
 }
 
 /// Blocks that are drawn together: four times what the generator makes at a time, so that words are in memory before they are read as vectors.
 const AT_ONCE: usize = 32;
 
-/// Words for uniforms that are not yet numbers.
-type Words = [[Word; LANES]; AT_ONCE];
-
 struct Uniform<'a> {
-    words: &'a Words,
+    words: &'a [[Word; LANES]],
     out: &'a mut [Block],
 }
 
@@ -130,7 +171,7 @@ impl Kernel<Block> for Uniform<'_> {
 
 /// Normal deviates, in pairs; the second of the last pair may be left out.
 struct BoxMuller<'a> {
-    words: &'a Words,
+    words: &'a [[Word; LANES]],
     out: &'a mut [Block],
 }
 
@@ -157,35 +198,50 @@ impl BlockRng {
     /// One standard normal deviate; its bits do not depend on an instruction set. Sixteen are made at a time.
     pub fn normal(&mut self) -> f64 {
         if self.left == 0 {
-            let mut normals = [Block::ZERO; 2];
-            self.fill_normal(Isa::baseline(), &mut normals);
-            (self.normals, self.left) = (normals, 2 * LANES);
+            self.make_normals();
         }
         self.left -= 1;
         numbers(&self.normals)[self.left]
     }
 
+    #[inline(never)]
+    fn make_normals(&mut self) {
+        let mut normals = [Block::ZERO; 2];
+        let out = &mut normals[..];
+        self.with_words(2, |words| dispatch_unfused(BoxMuller { words, out }));
+        (self.normals, self.left) = (normals, 2 * LANES);
+    }
+
     /// Fills with uniform numbers in (0, 1); their bits do not depend on an instruction set.
     pub fn fill_uniform(&mut self, out: &mut [Block]) {
         for out in out.chunks_mut(AT_ONCE) {
-            let words = &self.words(out.len());
-            dispatch(Isa::baseline(), Uniform { words, out });
+            self.with_words(out.len(), |words| dispatch_unfused(Uniform { words, out }));
         }
     }
 
     /// Fills with independent standard normal deviates.
     pub fn fill_normal(&mut self, isa: Isa, out: &mut [Block]) {
         for out in out.chunks_mut(AT_ONCE) {
-            let words = &self.words(out.len().next_multiple_of(2));
-            dispatch(isa, BoxMuller { words, out });
+            self.with_words(out.len().next_multiple_of(2), |words| dispatch(isa, BoxMuller { words, out }));
         }
     }
 
-    /// Words for `count` ≤ [`AT_ONCE`] blocks.
-    fn words(&mut self, count: usize) -> Words {
-        let mut words = [[Word::default(); LANES]; AT_ONCE];
-        rand::Rng::fill_bytes(&mut self.generator, words[..count].as_flattened_mut().as_flattened_mut());
-        words
+    /// Draws words for `count` ≤ [`AT_ONCE`] blocks.
+    fn with_words(&mut self, count: usize, then: impl FnOnce(&[[Word; LANES]])) {
+        match count {
+            2 => {
+                let words: [Word; 2 * LANES] = self.stream.next();
+                then(words.as_chunks().0);
+            }
+            0..=8 => self.with_copied_words::<8>(count, then),
+            _ => self.with_copied_words::<AT_ONCE>(count, then),
+        }
+    }
+
+    fn with_copied_words<const N: usize>(&mut self, count: usize, then: impl FnOnce(&[[Word; LANES]])) {
+        let mut words = [[Word::default(); LANES]; N];
+        self.stream.fill(words[..count].as_flattened_mut());
+        then(&words[..count]);
     }
 }
 
@@ -267,6 +323,21 @@ mod tests {
     fn the_same_stage_gives_the_same_numbers() {
         let draw = || prefix(&mut Stage::new(1, "x").at_frame(9).round(4).block(3));
         assert_eq!(draw(), draw());
+    }
+
+    /// In any order, again, at both ends of the numbers, whatever was drawn before.
+    #[test]
+    fn generators_made_together_are_those_of_their_blocks() {
+        let stage = Stage::new(5, "together").at_frame(7);
+        let mut rngs = stage.blocks();
+        for (count, block) in [0, 1, 2, 3, 4, 9, 10, 8, 8, u32::MAX - 1, u32::MAX, 0].into_iter().enumerate() {
+            let (found, expected) = (rngs.block(block), &mut stage.block(block));
+            assert_eq!(found.normal(), expected.normal(), "block {block}");
+            let (mut some, mut others) = ([0; 150], [0; 150]);
+            found.fill_bytes(&mut some[..30 * (count % 6)]);
+            expected.fill_bytes(&mut others[..30 * (count % 6)]);
+            assert_eq!((some, found.uniform()), (others, expected.uniform()), "block {block}");
+        }
     }
 
     /// One after the other they are what sixteen at a time give, from the last to the first, and a copy goes on alike.

@@ -13,14 +13,15 @@ use sinew_core::transition::Moments;
 #[must_use]
 pub fn mean(states: &[Block], dim: usize, weights: &[f64]) -> Vec<f64> {
     let mut sum = vec![Block::ZERO; dim];
-    for (states, weights) in states.chunks_exact(dim).zip(weights.chunks(LANES)) {
-        let w = padded(weights);
+    for_each_block(states, dim, weights, |states, w| {
         for (sum, x) in sum.iter_mut().zip(states) {
+            let mut next = sum.0;
             for lane in 0..LANES {
-                sum.0[lane] += w.0[lane] * x.0[lane];
+                next[lane] += w[lane] * x.0[lane];
             }
+            sum.0 = next;
         }
-    }
+    });
     sum.iter().map(|b| b.0.iter().sum()).collect()
 }
 
@@ -33,21 +34,29 @@ fn correction(effective: f64) -> f64 {
 #[must_use]
 pub fn standard_deviations(states: &[Block], mean: &[f64], weights: &[f64], effective: f64) -> Vec<f64> {
     let mut sums = vec![Block::ZERO; mean.len()];
-    for (states, weights) in states.chunks_exact(mean.len()).zip(weights.chunks(LANES)) {
-        let w = padded(weights);
+    for_each_block(states, mean.len(), weights, |states, w| {
         for ((sum, x), m) in sums.iter_mut().zip(states).zip(mean) {
+            let mut next = sum.0;
             for lane in 0..LANES {
-                sum.0[lane] += w.0[lane] * (x.0[lane] - m) * (x.0[lane] - m);
+                next[lane] += w[lane] * (x.0[lane] - m) * (x.0[lane] - m);
             }
+            sum.0 = next;
         }
-    }
+    });
     sums.iter().map(|b| (correction(effective) * b.0.iter().sum::<f64>()).sqrt()).collect()
 }
 
-fn padded(weights: &[f64]) -> Block {
-    let mut w = Block::ZERO;
-    w.0[..weights.len()].copy_from_slice(weights);
-    w
+/// Calls a function of each block of states and its weights; lanes beyond the last state have the weight 0.
+#[inline]
+fn for_each_block(states: &[Block], dim: usize, weights: &[f64], mut each: impl FnMut(&[Block], &[f64; LANES])) {
+    let (eights, rest) = weights.as_chunks();
+    let (full, last) = states.split_at(states.len().min(eights.len() * dim));
+    full.chunks_exact(dim).zip(eights).for_each(|(states, weights)| each(states, weights));
+    if !rest.is_empty() {
+        let mut weights = [0.0; LANES];
+        weights[..rest.len()].copy_from_slice(rest);
+        each(last, &weights);
+    }
 }
 
 struct Outer<'a> {
@@ -84,10 +93,10 @@ pub fn moments(isa: Isa, states: &[Block], dim: usize, weights: &[f64], effectiv
     let mean = mean(states, dim, weights);
     let mut sum = vec![Block::ZERO; dim * (dim + 1) / 2];
     let mut centred = vec![Block::ZERO; dim];
-    for (states, weights) in states.chunks_exact(dim).zip(weights.chunks(LANES)) {
-        let weight = &padded(weights);
+    for_each_block(states, dim, weights, |states, weights| {
+        let weight = &Block(*weights);
         dispatch(isa, Outer { states, weight, mean: &mean, centred: &mut centred, sum: &mut sum });
-    }
+    });
     let unbiased = correction(effective);
     let mut covariance = vec![0.0; dim * dim];
     let mut entries = sum.iter().map(|b| unbiased * b.0.iter().sum::<f64>());

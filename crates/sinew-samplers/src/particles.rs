@@ -184,9 +184,10 @@ impl Particles {
 /// Draws all states of the first frame around `centre`.
 pub fn start<T: Transition + ?Sized>(particles: &mut Particles, transition: &T, centre: &[f64], stage: Stage) {
     let dim = particles.dim;
-    particles.states.par_chunks_mut(dim).with_min_len(BLOCKS_A_TASK).enumerate().for_each(|(block, states)| {
-        transition.sample_initial_block(centre, states, &mut stage.block(block as u32));
-    });
+    particles.states.par_chunks_mut(dim).with_min_len(BLOCKS_A_TASK).enumerate().for_each_init(
+        || stage.blocks(),
+        |rngs, (block, states)| transition.sample_initial_block(centre, states, rngs.block(block as u32)),
+    );
 }
 
 /// Draws the ancestors of a new population by the weights.
@@ -221,18 +222,24 @@ pub fn move_by(
     moved: impl Fn(&[Block], &mut [Block], &mut BlockRng) + Sync,
     stage: Stage,
 ) {
-    advance(particles, ancestors, 0, |block, from, to, _| {
-        moved(from, to, &mut stage.block(block as u32));
+    let rngs = || stage.blocks();
+    advance(particles, ancestors, rngs, |rngs, block, from, to| {
+        moved(from, to, rngs.block(block as u32));
         Block::ZERO
     });
 }
 
 /// Takes the states of these ancestors, with equal weights.
 pub fn take(particles: &mut Particles, ancestors: Ancestors) {
-    advance(particles, Some(ancestors), 0, |_, from, to, _| {
-        to.copy_from_slice(from);
-        Block::ZERO
-    });
+    advance(
+        particles,
+        Some(ancestors),
+        || (),
+        |(), _, from, to| {
+            to.copy_from_slice(from);
+            Block::ZERO
+        },
+    );
 }
 
 /// Takes the states of these ancestors, with the weights of these logarithms, which need not be normalised. Returns the logarithm of their sum.
@@ -259,10 +266,12 @@ pub fn predict_and_reweight<T: Transition + ?Sized, D: LogDensity + ?Sized>(
     likelihood: &D,
     stage: Stage,
 ) -> Result<f64, Error> {
-    propose_and_reweight(particles, ancestors, likelihood.workspace(), |block, from, to, ws| {
-        transition.sample_block(from, to, &mut stage.block(block as u32));
+    let scratch = || (stage.blocks(), vec![Block::ZERO; likelihood.workspace()]);
+    advance(particles, ancestors, scratch, |(rngs, ws), block, from, to| {
+        transition.sample_block(from, to, rngs.block(block as u32));
         likelihood.log_density_block(to, ws)
-    })
+    });
+    temper(particles, 1.0)
 }
 
 /// Moves the states by a proposal and multiplies their weights: `proposed` writes the next states of a block, whose number it gets, from the ones that they come from, and returns the logarithms of their factors, with `workspace` blocks of scratch. Returns log Σ W_i exp l_i.
@@ -275,37 +284,30 @@ pub fn propose_and_reweight(
     workspace: usize,
     proposed: impl Fn(usize, &[Block], &mut [Block], &mut [Block]) -> Block + Sync,
 ) -> Result<f64, Error> {
-    advance(particles, ancestors, workspace, proposed);
+    let scratch = || vec![Block::ZERO; workspace];
+    advance(particles, ancestors, scratch, |ws, block, from, to| proposed(block, from, to, ws));
     temper(particles, 1.0)
 }
 
-/// Moves the states and keeps what `moved` says of each moved block, with `workspace` blocks of scratch.
-fn advance(
+/// Moves the states and keeps what `moved` says of each moved block, with scratch that a task makes once.
+fn advance<S>(
     particles: &mut Particles,
     ancestors: Option<Ancestors>,
-    workspace: usize,
-    moved: impl Fn(usize, &[Block], &mut [Block], &mut [Block]) -> Block + Sync,
+    scratch: impl Fn() -> S + Sync + Send,
+    moved: impl Fn(&mut S, usize, &[Block], &mut [Block]) -> Block + Sync,
 ) {
     let Particles { dim, count, states, previous, values, .. } = particles;
     let d = *dim;
     std::mem::swap(states, previous);
-    let gather = |block: usize, gathered: &mut [Block], ancestors: &[usize]| {
-        for (lane, &ancestor) in ancestors[block * LANES..].iter().take(LANES).enumerate() {
-            let old = &previous[ancestor / LANES * d..][..d];
-            for (new, old) in gathered.iter_mut().zip(old) {
-                new.0[lane] = old.0[ancestor % LANES];
-            }
-        }
-    };
     let blocks = states.par_chunks_mut(d).zip(values);
     blocks.with_min_len(BLOCKS_A_TASK).enumerate().for_each_init(
-        || (vec![Block::ZERO; d], vec![Block::ZERO; workspace]),
-        |(gathered, ws), (block, (next, out))| {
+        || (vec![Block::ZERO; d], scratch()),
+        |(gathered, scratch), (block, (next, out))| {
             *out = match &ancestors {
-                None => moved(block, &previous[block * d..][..d], next, ws),
+                None => moved(scratch, block, &previous[block * d..][..d], next),
                 Some(ancestors) => {
-                    gather(block, gathered, ancestors);
-                    moved(block, gathered, next, ws)
+                    gather(previous, &ancestors[block * LANES..], gathered);
+                    moved(scratch, block, gathered, next)
                 }
             };
         },
@@ -317,6 +319,23 @@ fn advance(
     }
     let former = std::mem::replace(&mut particles.ancestors, ancestors);
     particles.room.ancestors = former.unwrap_or_default();
+}
+
+/// The states of the first eight ancestors, or fewer.
+fn gather(previous: &[Block], ancestors: &[usize], gathered: &mut [Block]) {
+    let ancestors = &ancestors[..ancestors.len().min(LANES)];
+    if let [gathered] = gathered {
+        let previous = numbers(previous);
+        gathered.0.iter_mut().zip(ancestors).for_each(|(new, &ancestor)| *new = previous[ancestor]);
+        return;
+    }
+    let d = gathered.len();
+    for (lane, &ancestor) in ancestors.iter().enumerate() {
+        let old = &previous[ancestor / LANES * d..][..d];
+        for (new, old) in gathered.iter_mut().zip(old) {
+            new.0[lane] = old.0[ancestor % LANES];
+        }
+    }
 }
 
 /// Takes the last [`predict`] back.

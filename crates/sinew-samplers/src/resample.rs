@@ -24,7 +24,7 @@
 use crate::weights::sum;
 use rand::Rng;
 use sinew_core::elementary::ln;
-use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
+use sinew_core::lanes::{Block, Kernel, LANES, Real, dispatch_unfused};
 
 /// Indices of the states from which the new ones come.
 pub type Ancestors = Vec<usize>;
@@ -222,7 +222,7 @@ fn fill_multinomial(weights: &[f64], n: usize, rng: &mut impl Rng, ancestors: &m
     let Room { uniforms: spacings, ends, positions } = room;
     uniforms((n + 1).next_multiple_of(LANES), rng, spacings);
     // Their bits do not depend on the instruction set.
-    dispatch(Isa::baseline(), Exponentials(spacings.as_chunks_mut().0));
+    dispatch_unfused(Exponentials(spacings.as_chunks_mut().0));
     spacings.truncate(n + 1);
     running(&spacings[..n], Shares::new(spacings, n), positions);
     running(not_zero(weights), Shares::new(weights, n), ends);

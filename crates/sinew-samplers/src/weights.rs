@@ -14,7 +14,7 @@
 
 use crate::Error;
 use sinew_core::elementary::exp;
-use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
+use sinew_core::lanes::{Block, Kernel, LANES, Real, dispatch_unfused};
 
 /// Writes the normalised weights of `log_weights` and returns log Σ exp. Their bits do not depend on the instruction set.
 ///
@@ -22,9 +22,8 @@ use sinew_core::lanes::{Block, Isa, Kernel, LANES, Real, dispatch};
 /// [`Error::BadWeight`], [`Error::AllWeightsZero`].
 pub fn normalise(log_weights: &[f64], weights: &mut Vec<f64>) -> Result<f64, Error> {
     let max = largest_finite(log_weights)?;
-    weights.clear();
-    weights.extend_from_slice(log_weights);
-    let sum = exponentials(weights, max);
+    weights.resize(log_weights.len(), 0.0);
+    let sum = exponentials(log_weights, max, weights);
     let factor = 1.0 / sum;
     weights.iter_mut().for_each(|w| *w *= factor);
     Ok(max + sum.ln())
@@ -32,50 +31,82 @@ pub fn normalise(log_weights: &[f64], weights: &mut Vec<f64>) -> Result<f64, Err
 
 /// The largest of some log weights.
 fn largest_finite(log_weights: &[f64]) -> Result<f64, Error> {
-    let (eights, rest) = log_weights.as_chunks::<LANES>();
-    let mut largest = [f64::NEG_INFINITY; LANES];
-    let mut all_good = true;
-    for (i, l) in eights.iter().flat_map(|eight| eight.iter().enumerate()).chain(rest.iter().enumerate()) {
-        all_good &= *l < f64::INFINITY;
-        largest[i] = if *l > largest[i] { *l } else { largest[i] };
+    let (eights, rest) = log_weights.as_chunks();
+    let (mut largest, mut bad) = (Block::splat(f64::NEG_INFINITY), Block::ZERO);
+    for eights in [eights, &[padded(rest)]] {
+        dispatch_unfused(Largest { eights, largest: &mut largest, bad: &mut bad });
     }
-    if let Some((index, value)) =
-        log_weights.iter().enumerate().find(|(_, l)| !all_good && (l.is_nan() || **l == f64::INFINITY))
+    let is_bad = |l: &f64| l.is_nan() || *l == f64::INFINITY;
+    if bad != Block::ZERO
+        && let Some(index) = log_weights.iter().position(is_bad)
     {
-        return Err(Error::BadWeight { index, value: *value });
+        return Err(Error::BadWeight { index, value: log_weights[index] });
     }
-    let max = largest.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let max = largest.0.into_iter().fold(f64::NEG_INFINITY, f64::max);
     if max > f64::NEG_INFINITY { Ok(max) } else { Err(Error::AllWeightsZero { count: log_weights.len() }) }
 }
 
-/// exp(x − `max`) in place of each x, and 0 where that is below e⁻⁷⁰⁸.
+/// Log weights that are fewer than eight, and others of weight 0.
+fn padded(log_weights: &[f64]) -> [f64; LANES] {
+    let mut eight = [f64::NEG_INFINITY; LANES];
+    eight[..log_weights.len()].copy_from_slice(log_weights);
+    eight
+}
+
+/// The largest number of each lane, and whether one was NaN or +∞.
+struct Largest<'a> {
+    eights: &'a [[f64; LANES]],
+    largest: &'a mut Block,
+    bad: &'a mut Block,
+}
+
+impl Kernel<Block> for Largest<'_> {
+    #[inline(always)]
+    fn run<V: Real<Mem = Block>>(&mut self) {
+        let (mut largest, mut bad) = (V::load(self.largest), V::load(self.bad));
+        for eight in self.eights {
+            let x = V::load(&Block(*eight));
+            largest = x.max(largest);
+            bad = (-x).select_gt(f64::NEG_INFINITY, bad, V::splat(1.0));
+        }
+        largest.store(self.largest);
+        bad.store(self.bad);
+    }
+}
+
+/// exp(x − `max`) of each x, and 0 where that is below e⁻⁷⁰⁸; adds to the sum of each lane.
 struct Exponentials<'a> {
-    values: &'a mut [[f64; LANES]],
+    of: &'a [[f64; LANES]],
     max: f64,
+    out: &'a mut [[f64; LANES]],
+    sums: &'a mut Block,
 }
 
 impl Kernel<Block> for Exponentials<'_> {
     #[inline(always)]
     fn run<V: Real<Mem = Block>>(&mut self) {
-        for eight in &mut *self.values {
-            let mut block = Block(*eight);
-            let x = V::load(&block) - V::splat(self.max);
-            x.select_gt(-708.0, exp(x), V::splat(0.0)).store(&mut block);
-            *eight = block.0;
+        let mut sums = V::load(self.sums);
+        for (eight, out) in self.of.iter().zip(&mut *self.out) {
+            let x = V::load(&Block(*eight)) - V::splat(self.max);
+            let y = x.select_gt(-708.0, exp(x), V::splat(0.0));
+            sums = sums + y;
+            let mut block = Block(*out);
+            y.store(&mut block);
+            *out = block.0;
         }
+        sums.store(self.sums);
     }
 }
 
-/// Replaces each x by exp(x − `max`) and returns their sum.
-fn exponentials(values: &mut [f64], max: f64) -> f64 {
-    let (eights, rest) = values.as_chunks_mut::<LANES>();
-    let mut last = [[f64::NEG_INFINITY; LANES]];
-    last[0][..rest.len()].copy_from_slice(rest);
-    for values in [eights, &mut last] {
-        dispatch(Isa::baseline(), Exponentials { values, max });
+/// Writes exp(x − `max`) of each x and returns their sum.
+fn exponentials(of: &[f64], max: f64, out: &mut [f64]) -> f64 {
+    let ((of, rest), (out, out_rest)) = (of.as_chunks(), out.as_chunks_mut());
+    let (mut last, mut sums) = ([[0.0; LANES]], Block::ZERO);
+    for (of, out) in [(of, out), (&[padded(rest)], &mut last)] {
+        dispatch_unfused(Exponentials { of, max, out, sums: &mut sums });
     }
-    rest.copy_from_slice(&last[0][..rest.len()]);
-    sum(values)
+    out_rest.copy_from_slice(&last[0][..rest.len()]);
+    sums.0.iter().sum()
 }
 
 /// Sum, in eight parts.

@@ -14,6 +14,44 @@
 //!
 //! Only the last states s^(i,R), and the moments of all kept draws, pass to the next frame, the moments shrunk and then wider by what few draws lose ([`mod@sinew_samplers::few_draws`]); some of these draws themselves where the transition asks for them ([`Predict::wanted_draws`]). M(R + 1 − b) draws, M + M R L evaluations and one gradient a chain to begin with. Chains are moved in blocks of eight lanes: 10 chains cost as much as 16.
 //! The chains of one frame start close together, so R̂ within a frame is the sign to look at.
+//!
+//! An observation that has a gradient and no curvature is given one for step 5 by [`GivenCurvature`](sinew_core::combinators::GivenCurvature), a rough diagonal or zeros:
+//!
+//! ```
+//! use sinew_core::combinators::GivenCurvature;
+//! use sinew_core::density::{GradLogDensity, LogDensity};
+//! use sinew_core::lanes::Isa;
+//! use sinew_core::random::Stage;
+//! use sinew_core::transition::diagonal_matrix;
+//! use sinew_dynamics::linear_gaussian::LinearGaussian;
+//! use sinew_tracking::Tracker;
+//! use sinew_tracking::hmc_filter::{Config, HmcFilter};
+//!
+//! /// A level seen with variance 1/4.
+//! struct Seen(f64);
+//! impl LogDensity for Seen {
+//!     fn dim(&self) -> usize {
+//!         1
+//!     }
+//!     fn log_density(&self, x: &[f64]) -> f64 {
+//!         -2.0 * (x[0] - self.0).powi(2)
+//!     }
+//! }
+//! impl GradLogDensity for Seen {
+//!     fn log_density_grad(&self, x: &[f64], grad: &mut [f64]) -> f64 {
+//!         grad[0] = -4.0 * (x[0] - self.0);
+//!         self.log_density(x)
+//!     }
+//! }
+//! let one = diagonal_matrix(&[1.0]);
+//! let walk = LinearGaussian::new(1, one.clone(), one.clone(), one, Isa::best())?;
+//! let mut filter = HmcFilter::new(Config { updates: 200, ..Config::default() }, walk, vec![0.0], Isa::best())?;
+//! let observed = GivenCurvature { target: &Seen(1.0), diagonal: vec![4.0] };
+//! let info = filter.step(&observed, Stage::new(1, "example"))?;
+//! // N(0, 1) and N(1, 1/4) have the product N(0.8, 0.2).
+//! assert!((info.mean[0] - 0.8).abs() < 0.1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 use crate::handed::Handed;
 use crate::posterior::Posterior;
