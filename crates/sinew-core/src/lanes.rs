@@ -623,8 +623,8 @@ array_of_lanes!(A4, Group, [0 1 2 3]);
 mod x86 {
     use super::{
         Add, Block, Div, Group, HALF_BITS, Kernel, LANES, LaneMap, MANTISSA, Memory, Mul, Neg, ONE_BITS, PhantomData,
-        Real, SIGN, Sub, TWO52_BITS, TWO52_PLUS_BIAS, WORD_SHIFT, Word, chacha, exponent, from_word, half_pow2, mantissa,
-        negate_by_bit1, odd,
+        Real, SIGN, Sub, TWO52_BITS, TWO52_PLUS_BIAS, WORD_SHIFT, Word, chacha, exponent, from_word, half_pow2,
+        mantissa, negate_by_bit1, odd,
     };
     use core::arch::x86_64::*;
 
