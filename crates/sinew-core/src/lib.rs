@@ -23,6 +23,7 @@ pub mod lbfgs;
 pub mod part;
 pub mod random;
 pub mod side_by_side;
+mod streams;
 mod through;
 pub mod toy;
 pub mod transition;

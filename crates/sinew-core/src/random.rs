@@ -21,9 +21,10 @@
 //! assert!(noise.iter().all(|b| b.0.iter().all(|z| z.abs() < 6.8)));
 //! ```
 
-use crate::chacha::{Key, Stream, Words, first_blocks};
+use crate::chacha::{Key, Words};
 use crate::elementary::{ln, sin_cos_turns};
 use crate::lanes::{Block, Isa, Kernel, LANES, Real, Word, dispatch, dispatch_unfused, numbers};
+use crate::streams::{Stream, first_blocks};
 use rand::rand_core::{Infallible, TryRng};
 use std::ops::Range;
 
