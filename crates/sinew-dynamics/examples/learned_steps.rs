@@ -32,7 +32,7 @@ fn main() -> Result<(), sinew_dynamics::Error> {
     let mut config = Config::default();
     config.mixture.components = 12;
     let model = learn(&motion, &[feature], &config, Stage::new(1, "learning"), &mut |_| {})?;
-    if let Some(errors) = prediction_errors(&model.primitives[0], &[new.clone()], 2)? {
+    if let Some(errors) = prediction_errors(&model.primitives[0], std::slice::from_ref(&new), 2)? {
         println!("errors of {} steps that were not learned from, root mean square, radians", errors.steps);
         println!("  no change {:.3}", errors.no_change);
         println!("  constant velocity {:.3}", errors.constant_velocity.unwrap_or(f64::NAN));
