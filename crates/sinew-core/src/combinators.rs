@@ -294,6 +294,7 @@ impl<D: GradLogDensity> GradLogDensity for GivenCurvature<D> {
 
 impl<D: GradLogDensity> GaussNewton for GivenCurvature<D> {
     fn gauss_newton_diagonal_block(&self, _x: &[Block], diagonal: &mut [Block], _ws: &mut [Block]) {
+        debug_assert_eq!(diagonal.len(), self.diagonal.len());
         diagonal.iter_mut().zip(&self.diagonal).for_each(|(block, &entry)| *block = Block::splat(entry));
     }
 }
