@@ -120,6 +120,22 @@ impl HeldDraws {
     }
 }
 
+/// Sums over j of `row[j] x_j` for each row, in the order of the (j, x_j): several rows at once, whose sums do not wait for each other.
+fn products(rows: &[&[f64]], x: impl Iterator<Item = (usize, f64)> + Clone) -> Vec<f64> {
+    let mut found = Vec::with_capacity(rows.len());
+    let mut chunks = rows.chunks_exact(8);
+    for rows in &mut chunks {
+        let rows: [&[f64]; 8] = std::array::from_fn(|i| rows[i]);
+        let mut sums = [0.0; 8];
+        for (j, x) in x.clone() {
+            sums.iter_mut().zip(rows).for_each(|(sum, row)| *sum += row[j] * x);
+        }
+        found.extend(sums);
+    }
+    found.extend(chunks.remainder().iter().map(|row| x.clone().map(|(j, x)| row[j] * x).sum::<f64>()));
+    found
+}
+
 /// State of the sampler.
 struct Sweep<'a> {
     prior: &'a LastingPrior,
@@ -303,6 +319,12 @@ impl<'a> Sweep<'a> {
         cluster.numbers.iter().map(|&(place, mean, unit)| ((self.g[place] - mean) / unit).powi(2)).sum()
     }
 
+    /// Row of Λ.
+    fn row(&self, place: usize) -> &[f64] {
+        let p = self.g.len();
+        &self.data.information[place * p..][..p]
+    }
+
     fn draw_weights(&mut self, normal: &mut Luck, uniform: &mut Luck) {
         for (index, cluster) in self.prior.clusters.iter().enumerate().filter(|(_, cluster)| cluster.heavy_tails) {
             let log_scale = cluster.scale.map_or(0.0, |scale| self.log_scales[scale]);
@@ -325,9 +347,10 @@ impl<'a> Sweep<'a> {
             };
             let logs: [f64; CELLS] = std::array::from_fn(log);
             let largest = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            let mut left = uniform.take() * logs.iter().map(|log| (log - largest).exp()).sum::<f64>();
-            let cell = logs.iter().position(|log| {
-                left -= (log - largest).exp();
+            let shares = logs.map(|log| (log - largest).exp());
+            let mut left = uniform.take() * shares.iter().sum::<f64>();
+            let cell = shares.iter().position(|share| {
+                left -= share;
                 left <= 0.0
             });
             place(cell.unwrap_or(CELLS - 1) as f64 + uniform.take())
@@ -348,13 +371,14 @@ impl<'a> Sweep<'a> {
             self.log_scales[scale] = now;
             return;
         }
+        let rows: Vec<&[f64]> = deviations.iter().map(|&(place, ..)| self.row(place)).collect();
+        let own_deviations = || deviations.iter().map(|&(place, _, deviation)| (place, deviation));
+        let against = products(&rows, own_deviations());
+        let all = products(&rows, self.g.iter().copied().enumerate());
         let (mut curvature, mut slope) = (0.0, 0.0);
-        for &(place, _, deviation) in &deviations {
-            let against: f64 = deviations.iter().map(|&(other, _, v)| self.information[(other, place)] * v).sum();
-            let row = &self.data.information[place * self.g.len()..][..self.g.len()];
-            let all: f64 = self.g.iter().zip(row).map(|(g, by)| g * by).sum();
-            curvature += deviation * against;
-            slope += deviation * (self.data.pull[place] - all + against);
+        for (i, (place, deviation)) in own_deviations().enumerate() {
+            curvature += deviation * against[i];
+            slope += deviation * (self.data.pull[place] - all[i] + against[i]);
         }
         let next = draw(&|x| {
             let k = (x - now).exp();
