@@ -244,7 +244,9 @@ def test_wrong_arrays_are_named(walk, tmp_path):
 
 
 STOPPED = """
-import sinew, sys, warnings
+import signal, sinew, sys, warnings
+# Whoever was started in the background ignores it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 warnings.simplefilter("ignore")
 walk = sinew.simulate(duration_s=3, fps=20, seed=3)
 def progress(what, unit, done, total):
