@@ -12,12 +12,6 @@ use std::time::{Duration, Instant};
 /// Longest run of the named tests of one target.
 const PATIENCE: Duration = Duration::from_secs(900);
 
-/// Packages whose tests are built in minutes where their lane kernels are optimised, and without that in seconds; they run in seconds either way.
-const NOT_OPTIMISED: [&str; 3] = ["sinew-body", "sinew-observe", "sinew-dynamics"];
-
-/// Stack of a test's thread: frames of kernels that are not optimised are large.
-const STACK_BYTES: &str = "67108864";
-
 /// The copy, and how to run cargo in it.
 pub struct Trial {
     checkout: PathBuf,
@@ -112,9 +106,6 @@ impl Trial {
         let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
         cargo.args(["test", "--quiet", "--no-run", "--message-format=json-render-diagnostics", "--package", package]);
         cargo.args(selected(target)).current_dir(&self.checkout).env("CARGO_TARGET_DIR", &self.target);
-        for package in NOT_OPTIMISED {
-            cargo.args(["--config", &format!("profile.dev.package.{package}.opt-level=0")]);
-        }
         let output = cargo.output().map_err(|e| format!("cargo: {e}"))?;
         let program = |line: &str| -> Option<Program> {
             let message: Value = serde_json::from_str(line).ok()?;
@@ -137,7 +128,6 @@ impl Trial {
         run.args(["--exact", "--show-output"]).args(names).current_dir(&program.folder);
         run.env("CARGO_MANIFEST_DIR", &program.folder)
             .env("RUST_BACKTRACE", "0")
-            .env("RUST_MIN_STACK", STACK_BYTES)
             .env("PROPTEST_RNG_SEED", "1")
             .env("PROPTEST_MAX_SHRINK_ITERS", "0");
         if let Some(data) = &self.data {
