@@ -381,6 +381,43 @@ mod tests {
         assert!(mean(&errors).abs() < 3.0 * (square / 16.0).sqrt() && square.sqrt() < 0.1, "{errors:?}");
     }
 
+    /// An offset that changes evenly within its four seconds is taken off: what is left is noise, and lags stay.
+    #[test]
+    fn offsets_that_change_evenly_leave_nothing_but_noise() {
+        let cameras = ring(4);
+        let steady = record(&cameras, |_, time| time, 240, 1.0, 3);
+        let mut changing = steady.clone();
+        for (number, views) in &mut changing {
+            let within = 2.0 * *number as f64 / 240.0 - 1.0;
+            for (camera, points) in views.iter_mut().enumerate() {
+                for (keypoint, seen) in points.iter_mut().enumerate() {
+                    let direction = (3 * camera + keypoint) as f64;
+                    seen.iter_mut().for_each(|seen| {
+                        seen.pixel[0] += 6.0 * within * direction.cos();
+                        seen.pixel[1] += 6.0 * within * direction.sin();
+                    });
+                }
+            }
+        }
+        let known = CameraNoise { offset_px: [4.0, -6.0], ..CameraNoise::without_offset(SIGMA_PX, 0.9) };
+        let noise = vec![known; cameras.len()];
+        let regressed = |frames: &[(u64, Sighted)]| {
+            let sights = sights_of(&cameras, &noise, frames, Span::over(&[frames]), &search());
+            let prior = PriorSds { own: [3.0, 3.0], offset_px: 30.0 };
+            regression(&noise, &sights, &DVector::zeros(OWN * cameras.len()), &prior).unwrap()
+        };
+        let [steady, changing] = [&steady, &changing].map(|frames| regressed(frames));
+        // Four cameras have eight coordinates, of which the point takes three: squared residuals, two coordinates each, are 5/8 of chi-squared's, and the mean of 4 ln(1 + r²/4) is 4 exp(3.2) E1(3.2).
+        let expected = 0.994;
+        for found in [&steady, &changing] {
+            assert!((found.loss / expected - 1.0).abs() < 0.08, "{}", found.loss);
+        }
+        for i in (0..OWN * cameras.len()).step_by(OWN) {
+            let sd = steady.covariance[(i, i)].sqrt();
+            assert!((steady.rest[i] - changing.rest[i]).abs() < 0.5 * sd, "{i}: {} {}", steady.rest, changing.rest);
+        }
+    }
+
     #[test]
     fn a_clock_that_runs_at_another_rate_is_found() {
         let cameras = ring(4);
