@@ -148,7 +148,7 @@ pub struct Global {
     pub met: Block,
 }
 
-/// A numerical leaf, written once over the lane scalar. Write all methods within [`inlined!`](crate::inlined), or with `#[inline(always)]`: without it blocks take ten to fifty times as long. Those that
+/// A numerical leaf, written once over the lane scalar. Write all methods within [`inlined!`](crate::inlined), or with `#[inline(always)]`: without it blocks take some 25 times as long (AVX2, `cargo bench -p sinew-core --bench inlining`). Those that
 /// [`compile_density_here!`](crate::compile_density_here) writes stay outside.
 pub trait LaneDensity: Sync {
     /// Dimension d of the state.

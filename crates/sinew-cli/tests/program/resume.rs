@@ -46,7 +46,7 @@ fn a_run_on_silhouettes_stopped_after_any_frame_gives_the_same_files() {
     }
 }
 
-/// The same with pictures and a set-up that learns their colours, after a frame with a picture and one without; a run that is stopped in its set-up leaves nothing.
+/// The same with pictures and a set-up that learns their colours, before a frame with a picture and before one without.
 #[test]
 fn a_run_on_colours_stopped_after_a_frame_gives_the_same_files() {
     for method in ["hppf", "partitioned"] {
