@@ -29,7 +29,10 @@ pub fn quantile(rising: &[f64], p: f64) -> f64 {
     let Some(last) = rising.len().checked_sub(1) else { return f64::NAN };
     let place = p.clamp(0.0, 1.0) * last as f64;
     let low = place.floor() as usize;
-    rising[low] + place.fract() * (rising[(low + 1).min(last)] - rising[low])
+    if place.fract() == 0.0 {
+        return rising[low];
+    }
+    rising[low] + place.fract() * (rising[low + 1] - rising[low])
 }
 
 #[cfg(test)]
@@ -41,6 +44,7 @@ mod tests {
         let mut values = [4.0, 1.0, 7.0, 2.0];
         assert_eq!((mean(&values), variance(&values), median(&mut values)), (3.5, 7.0, 3.0));
         assert_eq!([0.0, 0.5, 0.75, 1.0].map(|p| quantile(&values, p)), [1.0, 3.0, 4.75, 7.0]);
+        assert_eq!(quantile(&[1.0, 2.0, f64::INFINITY], 0.5), 2.0);
         assert_eq!((median(&mut [5.0, 1.0, 2.0]), variance(&[2.0, 2.0])), (2.0, 0.0));
         assert!(mean(&[]).is_nan() && median(&mut []).is_nan() && quantile(&[], 0.5).is_nan());
     }

@@ -9,6 +9,7 @@ use super::texts::Texts;
 use crate::estimate::{EstimateKind, FrameEstimate, RunInfo};
 use sinew_angles::AngleZero;
 use sinew_body::Point;
+use sinew_core::estimators::quantile;
 use sinew_setup::uncertainty::{Uncertainty, uncertainty};
 
 /// E-BFMI below which chains are said not to reach the tails (the Stan developers' bound).
@@ -241,12 +242,11 @@ fn is_above(value: f32, limit: f64) -> bool {
     f64::from(value) > limit || value.is_nan()
 }
 
-/// Quantiles by the nearest rank.
+/// Quantiles; none of nothing.
 fn quantiles<const N: usize>(values: &[f32], at: [f64; N]) -> Option<[f64; N]> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f32::total_cmp);
-    let last = sorted.len().checked_sub(1)?;
-    Some(at.map(|q| f64::from(sorted[(q * last as f64).round() as usize])))
+    let mut rising: Vec<f64> = values.iter().copied().map(f64::from).collect();
+    rising.sort_by(f64::total_cmp);
+    (!rising.is_empty()).then(|| at.map(|p| quantile(&rising, p)))
 }
 
 #[cfg(test)]

@@ -1,0 +1,59 @@
+"""`docs/evidence/ledger.md`: which test knows which number. `python tests/ledger/page.py` writes it."""
+
+import tomllib
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+import frames  # noqa: F401
+import ledger
+import motion  # noqa: F401
+import overall  # noqa: F401
+
+ROOT = Path(__file__).resolve().parents[2]
+PATH = ROOT / "docs/evidence/ledger.md"
+ELSEWHERE = tomllib.loads((Path(__file__).parent / "elsewhere.toml").read_text())
+
+
+def why_unknown(file, column):
+    """Why no check on finished results knows a column."""
+    for row in ELSEWHERE["unknown"]:
+        if file == row["file"] and any(fnmatchcase(column, name) for name in row["columns"]):
+            return row["why"]
+    return None
+
+
+def is_unseen(file, column, disturbance):
+    """Whether a disturbance is named as one that no check can see."""
+    return any((row["file"], row["column"]) == (file, column) and disturbance in row["disturbances"] for row in ELSEWHERE["unseen"])
+
+
+def shown(columns):
+    return ", ".join(f"`{column}`" for column in columns)
+
+
+def table(head, rows):
+    """A Markdown table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(row)} |" for row in lines)
+
+
+def written():
+    """The page."""
+    knows = [[f"`{check.file}`", shown(check.columns), check.source, ", ".join(check.runs), f"`{check.run.__name__}`"] for check in sorted(ledger.CHECKS, key=lambda check: (check.file, check.run.__name__))]
+    other = [[f"`{row['file']}`", shown(row["columns"]), row["source"], f"`{row['test']}`"] for row in ELSEWHERE.get("test", [])]
+    unknown = [[f"`{row['file']}`", shown(row["columns"]), row["why"]] for row in ELSEWHERE["unknown"] + ELSEWHERE["partly"]]
+    unseen = [[f"`{row['file']}`", shown([row["column"]]), ", ".join(row["disturbances"]), row["why"]] for row in ELSEWHERE["unseen"]]
+    parts = {
+        "CHECKS": table(["file", "columns", "known from", "runs", "check"], knows),
+        "TESTS": table(["file", "columns", "known from", "test"], other),
+        "UNKNOWN": table(["file", "columns", "why"], unknown),
+        "UNSEEN": table(["file", "column", "disturbances", "why"], unseen),
+    }
+    text = (Path(__file__).parent / "page.txt").read_text()
+    for name, part in parts.items():
+        text = text.replace(f"[{name}]", part)
+    return text
+
+
+if __name__ == "__main__":
+    PATH.write_text(written())

@@ -1,0 +1,94 @@
+"""The ledger of numbers, on finished results: every column has a check, every check holds, and sees each disturbance of its columns."""
+
+import json
+import os
+import subprocess
+from pathlib import Path
+
+import frames
+import ledger
+import motion  # noqa: F401
+import overall  # noqa: F401
+import page
+import pytest
+import results
+
+FPS = 30.0
+FIRST, LAST = 3, 15
+
+
+@pytest.fixture(scope="session")
+def program():
+    """The program `sinew`."""
+    named = os.environ.get("SINEW_PROGRAM")
+    if named is None or not Path(named).is_file():
+        pytest.skip("no program: SINEW_PROGRAM names it")
+    return named
+
+
+@pytest.fixture(scope="session")
+def runs(program, tmp_path_factory):
+    """Three runs of one walk: filtered, smoothed, and filtered by a set-up in which nothing lasts. In one frame one camera sees the person."""
+    folder = tmp_path_factory.mktemp("ledger")
+
+    def call(*words):
+        ended = subprocess.run([program, *map(str, words)], capture_output=True, text=True, cwd=folder)
+        # 4: a diagnostic failed, which is no matter here.
+        assert ended.returncode in (0, 4), ended.stderr
+        return ended.stdout
+
+    call("simulate", "--duration", 1, "--seed", 3, "-o", "walk")
+    for camera in ("C2", "C3", "C4"):
+        (folder / f"walk/keypoints/{camera}_json/{camera}.0010.json").write_text(json.dumps({"version": 1.3, "people": []}))
+    every = ["track", "--calibration", "walk/Calib.toml", "--keypoints", "walk/keypoints", "--layout", "BODY_25B", "--fps", FPS]
+    every += ["--frames", f"{FIRST}..{LAST}", "--patience", 1, "--seed", 1]
+    # All draws are kept, so that what is said of them can be computed from them again.
+    all_draws = ["--draws", 16 * 25]
+    said = {"filtered": call(*every, *all_draws, "-o", "filtered")}
+    setup = (folder / "filtered/setup.toml").read_text()
+    (folder / "plain.toml").write_text(setup[: setup.index("[lasting]")])
+    said["smoothed"] = call(*every, "--smooth", "--draws", 128, "--setup", "filtered/setup.toml", "-o", "smoothed")
+    said["plain"] = call(*every, *all_draws, "--setup", "plain.toml", "-o", "plain")
+    numbers = list(range(FIRST, LAST))
+    return {name: results.read(folder / name, folder / "walk/Calib.toml", text, FPS, numbers) for name, text in said.items()}
+
+
+@pytest.mark.parametrize("check", ledger.CHECKS, ids=lambda check: check.run.__name__)
+def test_a_check_holds(runs, check):
+    for run in check.runs:
+        check.run(runs[run])
+
+
+def columns(runs):
+    """Every column of every file, with the run that has it."""
+    return [(run, file, column) for run, read in runs.items() for file in read.tables for column in read.tables[file]]
+
+
+def test_every_column_is_known_or_named_as_unknown(runs):
+    found = {(file, column) for _, file, column in columns(runs)}
+    known = {(file, column) for file, column in found if any(check.knows(run, file, column) for check in ledger.CHECKS for run in check.runs)}
+    unknown = {(file, column) for file, column in found if page.why_unknown(file, column)}
+    assert not found - known - unknown, sorted(found - known - unknown)
+    assert not known & unknown, sorted(known & unknown)
+
+
+def test_every_disturbance_is_seen(runs):
+    """A column that is wrong in each of several ways makes one of its checks fail."""
+    unseen = []
+    tried = 0
+    for run, file, column in columns(runs):
+        checks = [check for check in ledger.CHECKS if check.knows(run, file, column)]
+        if not checks:
+            continue
+        for name, after in ledger.ways(runs[run].tables[file], column).items():
+            tried += 1
+            if page.is_unseen(file, column, name):
+                continue
+            if not any(ledger.fails(check, ledger.disturbed(runs[run], file, column, after)) for check in checks):
+                unseen.append(f"{run} {file} {column}: {name}")
+    assert tried > 500
+    assert not unseen, "\n".join(unseen)
+
+
+def test_the_page_is_current():
+    assert page.PATH.read_text() == page.written(), "run `python tests/ledger/page.py`"
