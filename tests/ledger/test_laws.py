@@ -1,0 +1,165 @@
+"""Laws of change: a recording is changed in a way whose effect on every number is known, and tracked again.
+
+Results agree up to Monte Carlo error, since streams of random numbers depend on the recording: an sd of a mean is sd/√ESS in each run.
+"""
+
+import laws
+import numpy as np
+import pytest
+import results
+from points import columns
+from scipy.spatial.transform import Rotation
+
+FPS = 30.0
+NUMBERS = range(3, 15)
+ALIKE = "--layout BODY_25B --patience 1 --draws 400 --seed 1".split()
+
+
+@pytest.fixture(scope="module")
+def track(call, walk, tmp_path_factory):
+    """Tracks a recording's frames; `setup` from another run, with the options of `track`."""
+    folder = tmp_path_factory.mktemp("laws")
+
+    def run(name, recording, numbers=NUMBERS, options=()):
+        laws.write(folder / name, recording)
+        frames = ["--frames", f"{numbers[0]}..{numbers[-1] + 1}", "--fps", f"{recording.fps:g}"]
+        call(folder, "track", "--calibration", f"{name}/Calib.toml", "--keypoints", f"{name}/keypoints", *ALIKE, *frames, *options, "-o", f"{name}-out")
+        read = results.read(folder / f"{name}-out", folder / name / "Calib.toml", "", recording.fps, list(numbers))
+        read.folder = folder / f"{name}-out"
+        return read
+
+    return run
+
+
+@pytest.fixture(scope="module")
+def recording(walk):
+    return laws.read(walk, FPS)
+
+
+@pytest.fixture(scope="module")
+def as_it_is(track, recording):
+    return track("as-it-is", recording)
+
+
+def joints(run):
+    """Means and standard deviations of the joints, frames × points × 3."""
+    return [columns(run, "joints.csv", "joint", what) for what in ("mean", "sd", "sd_within")]
+
+
+def angles(run, numbers=slice(None)):
+    """Means of all angles, degrees, and their standard deviations if they were Gaussian."""
+    mean, names = run.of("angles.csv", "mean_deg", "name")
+    low, high = (run.of("angles.csv", f"{what}_deg", "name")[0] for what in ("q05", "q95"))
+    return names, mean[numbers], ((high - low) / 3.29)[numbers]
+
+
+# Draws of what lasts: of each a mean is known to sd/√128 and an sd to 6 %, and all points share the same.
+LASTING_DRAWS = 128
+
+
+def agree(ours, theirs, sds, what="points"):
+    """Means agree as far as Monte Carlo errors let one say; their root mean square is that of three numbers (the shift along three axes) with probability 0.999."""
+    away = abs(ours - theirs) / (sds * np.sqrt(2 / LASTING_DRAWS))
+    assert np.sqrt((away**2).mean()) < 2.4 and away.max() < 6, (what, np.sqrt((away**2).mean()), away.max())
+
+
+def spreads_agree(ours, theirs):
+    """Standard deviations agree to 15 %, three of their standard errors, in the mean over all."""
+    assert abs(np.log(ours / theirs).mean()) < 0.15
+
+
+def joints_agree(ours, theirs, moved=lambda points: points, rows=slice(None), order=slice(None)):
+    """Points agree after those of the first run were moved; `rows` and `order` are the frames and points of the second."""
+    mean, sd, within = joints(ours)
+    other, other_sd, other_within = (value[rows][:, order] for value in joints(theirs))
+    agree(moved(mean), other, other_sd)
+    for first, second in ((sd, other_sd), (within, other_within)):
+        size = [np.sqrt((value**2).sum(-1)) for value in (first, second)]
+        spreads_agree(*size)
+
+
+def angles_agree(ours, theirs, law=lambda name: (name, 1, 0.0), rows=slice(None)):
+    """Angles that keypoints show agree; others wander from frame to frame by the Monte Carlo errors of all frames before.
+
+    `law` gives the name of an angle in the second run, its sign there, and what is added; none where nothing is known.
+    """
+    names, first, _ = angles(ours)
+    seen = ours.of("angles.csv", "seen", "name")[0].all(0)
+    names_there, second, spread = angles(theirs, rows)
+    looked_at = 0
+    for k, name in enumerate(names):
+        if not seen[k] or (known := law(name)) is None:
+            continue
+        there, sign, by = known
+        at = names_there.index(there)
+        difference = (sign * first[:, k] + by - second[:, at] + 180) % 360 - 180
+        agree(difference, 0.0, spread[:, at], name)
+        looked_at += 1
+    assert looked_at > 20
+
+
+def test_frames_numbered_from_1000(track, recording, as_it_is):
+    late = track("late", laws.later(recording, 1000), range(1003, 1015))
+    joints_agree(as_it_is, late)
+    angles_agree(as_it_is, late)
+    for name in ("joints.csv", "angles.csv", "state.csv", "frames.csv"):
+        assert (late.tables[name].frame - 1000 == as_it_is.tables[name].frame).all()
+        assert np.allclose(late.tables[name].time_s - 1000 / FPS, as_it_is.tables[name].time_s)
+
+
+def test_cameras_under_other_names_in_another_order(track, recording, as_it_is):
+    names = {"C1": "west", "C2": "south", "C3": "north", "C4": "east"}
+    renamed = track("renamed", laws.renamed(recording, names))
+    joints_agree(as_it_is, renamed)
+    angles_agree(as_it_is, renamed)
+    for name, other in names.items():
+        ours, theirs = as_it_is.tables["frames.csv"][f"residual_{name}_px"], renamed.tables["frames.csv"][f"residual_{other}_px"]
+        assert np.allclose(ours, theirs, rtol=0.15), name
+
+
+def test_a_camera_that_sees_nothing_changes_nothing(track, recording, as_it_is):
+    blind = track("blind", laws.with_a_blind_camera(recording))
+    joints_agree(as_it_is, blind)
+    angles_agree(as_it_is, blind)
+
+
+def test_a_world_that_is_turned_and_shifted(track, recording, as_it_is):
+    turn, shift = Rotation.from_euler("z", 70, degrees=True), np.array([2.0, -1.0, 0.3])
+    moved = track("moved", laws.moved(recording, turn, shift))
+    joints_agree(as_it_is, moved, lambda mean: turn.apply(mean.reshape(-1, 3)).reshape(mean.shape) + shift)
+
+    def law(name):
+        # They depend on where somebody faces.
+        if name in ("pelvis_tilt", "pelvis_list"):
+            return None
+        return name, 1, 70.0 if name == "pelvis_rotation" else 0.0
+
+    angles_agree(as_it_is, moved, law)
+
+
+def test_left_and_right_exchanged(track, recording, as_it_is):
+    mirrored = track("mirrored", laws.mirrored(recording))
+    points = list(as_it_is.draws["marker"])
+    other = [points.index(laws.SIDE[name[0]] + name[1:] if name[0] in "LR" and name[1].isupper() else name) for name in points]
+    joints_agree(as_it_is, mirrored, lambda mean: mean * [-1, 1, 1], order=other)
+
+    def law(name):
+        # Angles of limbs have one sign on both sides; the body's own degrees of freedom do not.
+        if name[-2:] in ("_r", "_l"):
+            return name[:-1] + {"r": "l", "l": "r"}[name[-1]], 1, 0.0
+        if name in ("r_foot_ry", "l_foot_ry"):
+            return {"r": "l", "l": "r"}[name[0]] + name[1:], -1, 0.0
+        return name, 1 if name in ("pelvis_tilt", "head_rx") else -1, 0.0
+
+    angles_agree(as_it_is, mirrored, law)
+
+
+def test_twice_the_rate_with_every_second_frame_empty(track, recording, as_it_is):
+    setup = ["--setup", as_it_is.folder / "setup.toml"]
+    same = track("same", recording, options=setup)
+    numbers = range(2 * NUMBERS[0], 2 * NUMBERS[-1] + 1)
+    twice = track("twice", laws.at_twice_the_rate(recording), numbers, setup)
+    every_second = slice(None, None, 2)
+    joints_agree(same, twice, rows=every_second)
+    angles_agree(same, twice, rows=every_second)
+    assert (twice.tables["frames.csv"].observed == [1 - k % 2 for k in range(len(numbers))]).all()
