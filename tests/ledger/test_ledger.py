@@ -10,6 +10,7 @@ import overall  # noqa: F401
 import page
 import pytest
 import results
+import visibility  # noqa: F401
 
 FPS = 30.0
 FIRST, LAST = 3, 15
