@@ -53,6 +53,16 @@ pub enum Error {
         /// Allowed depth.
         limit: usize,
     },
+    /// More of something than any real file has.
+    #[error("{place}: more than {} {what}, the most that are read", Count(*limit as u64))]
+    TooMany {
+        /// Where the limit is passed.
+        place: Place,
+        /// What is counted, plural.
+        what: &'static str,
+        /// The most that are read.
+        limit: usize,
+    },
     /// A count in a header that the file cannot hold.
     #[error("{place}: file claims {} {unit}, holds {}", Count(*claimed), Bytes(*bytes))]
     ImpossibleCount {

@@ -46,6 +46,7 @@ pub mod keypoint_formats;
 pub mod keypoint_table;
 pub mod layout;
 mod length_unit;
+pub mod limits;
 pub mod live_frame;
 pub mod mask;
 pub mod mediapipe_json;

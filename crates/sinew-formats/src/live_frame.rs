@@ -17,9 +17,10 @@
 //! # Ok::<(), sinew_formats::Error>(())
 //! ```
 
+use crate::limits::MAX_LIVE_CAMERAS;
 use crate::openpose::{OpenposeFrame, OpenposeOptions, RawFile, people_of};
 use crate::{Error, Place, json_text};
-use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
+use serde::de::{Deserialize, Deserializer, Error as _, MapAccess, Visitor};
 use std::fmt;
 
 /// A frame of all cameras.
@@ -52,6 +53,9 @@ impl<'de> Deserialize<'de> for Entries {
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Entries, A::Error> {
                 let mut entries = Vec::new();
                 while let Some(entry) = map.next_entry()? {
+                    if entries.len() == MAX_LIVE_CAMERAS {
+                        return Err(A::Error::custom(format_args!("more than {MAX_LIVE_CAMERAS} cameras")));
+                    }
                     entries.push(entry);
                 }
                 Ok(Entries(entries))
@@ -64,8 +68,8 @@ impl<'de> Deserialize<'de> for Entries {
 /// Reads a line; `name` is its place for messages.
 ///
 /// # Errors
-/// JSON that is truncated or malformed, a line without number or cameras, a camera that is there twice, and what
-/// [`read`](crate::openpose::read) refuses of a camera.
+/// JSON that is truncated or malformed, a line without number or cameras, more than [`MAX_LIVE_CAMERAS`] cameras, one that
+/// is there twice, and what [`read`](crate::openpose::read) refuses of a camera.
 pub fn read(name: &str, line: &str, options: &OpenposeOptions<'_>) -> Result<LiveFrame, Error> {
     let raw: RawLine = json_text::parse(name, line)?;
     let missing = |field: &str| Place::file(name).lacks(field);
@@ -107,6 +111,19 @@ mod tests {
         assert!(refused(r#"{"frame": 4, "cameras": [1]}"#).contains("expected"));
         let two = r#"{"frame": 4, "cameras": {"C1": {"people": [{"pose_keypoints_2d": [1, 2]}]}}}"#;
         assert!(refused(two).starts_with("line 7 (frame 4, C1): 2 numbers"));
+    }
+
+    #[test]
+    fn cameras_and_people_in_a_line_have_bounds() {
+        let line = |cameras: usize| {
+            let cameras: Vec<String> = (0..cameras).map(|k| format!("\"C{k}\":null")).collect();
+            format!("{{\"frame\": 4, \"cameras\": {{{}}}}}", cameras.join(","))
+        };
+        assert_eq!(read("line 7", &line(1000), &OpenposeOptions::default()).unwrap().cameras.len(), 1000);
+        assert_eq!(refused(&line(1001)), "line 7:1: more than 1000 cameras; expected JSON of this kind");
+        let people = vec!["{\"pose_keypoints_2d\":[1,2,0.5]}"; 60_000].join(",");
+        let crowd = format!("{{\"frame\": 4, \"cameras\": {{\"C1\":{{\"people\":[{people}]}}}}}}");
+        assert_eq!(refused(&crowd), "line 7 (frame 4, C1): more than 100 people, the most that are read");
     }
 
     #[test]

@@ -21,13 +21,13 @@
 //! # Ok::<(), sinew_formats::Error>(())
 //! ```
 
-use crate::{Error, Layout, Place, Warning, json_text};
+use crate::{Error, Layout, Place, Warning, json_text, limits};
 use serde::Deserialize;
 use sinew_observe::Detection;
 use sinew_observe::association::Person;
 
 /// Absent people that are written before one who is there.
-const MAX_PEOPLE: usize = 1000;
+const MAX_ABSENT: usize = 1000;
 
 /// How to read keypoint files.
 #[derive(Clone, Copy, Debug)]
@@ -153,7 +153,7 @@ struct RawPerson {
 ///
 /// # Errors
 /// JSON that is truncated or malformed, numbers out of range, keypoints that are no triples or do not fit the layout,
-/// and confidences outside the declared scale.
+/// confidences outside the declared scale, and more people than [`limits::MAX_PEOPLE`].
 pub fn read(name: &str, text: &str, options: &OpenposeOptions<'_>) -> Result<OpenposeFrame, Error> {
     let mut place = Place::file(name);
     if let Some(frame) = options.frame {
@@ -169,6 +169,8 @@ pub(crate) fn people_of(place: &Place, raw: RawFile, options: &OpenposeOptions<'
         return Err(place.clone().bad_value("confidence_scale", format!("{scale}"), "positive"));
     }
     let people = raw.people.ok_or_else(|| place.clone().lacks("people"))?;
+    let is_there = |person: &&RawPerson| person.pose_keypoints_2d.as_ref().is_some_and(|numbers| !numbers.is_empty());
+    check_count_of_people(place, people.iter().filter(is_there).count())?;
     let mut out = OpenposeFrame::default();
     for (index, person) in people.into_iter().enumerate() {
         let numbers = person.pose_keypoints_2d.unwrap_or_default();
@@ -187,6 +189,10 @@ pub(crate) fn people_of(place: &Place, raw: RawFile, options: &OpenposeOptions<'
     Ok(out)
 }
 
+fn check_count_of_people(place: &Place, found: usize) -> Result<(), Error> {
+    limits::check_count(|| place.clone(), found, "people", limits::MAX_PEOPLE)
+}
+
 fn check_count(place: &Place, found: usize, layout: Option<&Layout>) -> Result<(), Error> {
     match layout {
         Some(layout) if found != layout.numbers() => Err(Error::KeypointCount {
@@ -200,11 +206,12 @@ fn check_count(place: &Place, found: usize, layout: Option<&Layout>) -> Result<(
     }
 }
 
-/// Refuses people who do not fit the layout.
+/// Refuses people who do not fit the layout, and more of them than [`limits::MAX_PEOPLE`].
 ///
 /// # Errors
-/// [`Error::KeypointCount`] for the first of them.
+/// [`Error::KeypointCount`] for the first of them, [`Error::TooMany`].
 pub fn check_people(place: &Place, frame: &OpenposeFrame, layout: Option<&Layout>) -> Result<(), Error> {
+    check_count_of_people(place, frame.people.len())?;
     frame.people.iter().try_for_each(|person| check_count(place, 3 * person.keypoints.len(), layout))
 }
 
@@ -239,7 +246,7 @@ pub(crate) fn keypoint(
 pub fn write(people: &[OpenposePerson]) -> String {
     let mut entries: Vec<String> = Vec::new();
     for person in people {
-        entries.resize(entries.len().max(person.index.min(MAX_PEOPLE)), "{}".into());
+        entries.resize(entries.len().max(person.index.min(MAX_ABSENT)), "{}".into());
         let finite = |point: &Keypoint| point.x.is_finite() && point.y.is_finite() && point.confidence.is_finite();
         let numbers = person.keypoints.iter().map(|point| match point.filter(finite) {
             Some(Keypoint { x, y, confidence }) => format!("{x:?},{y:?},{confidence:?}"),
@@ -255,6 +262,17 @@ pub fn write(people: &[OpenposePerson]) -> String {
 mod tests {
     use super::*;
     use crate::layout;
+
+    #[test]
+    fn people_in_a_frame_have_a_bound() {
+        let crowd = |there: usize, absent: usize| {
+            let people = [vec!["{\"pose_keypoints_2d\":[1,2,0.5]}"; there], vec!["{}"; absent]].concat();
+            read("a.json", &format!("{{\"people\":[{}]}}", people.join(",")), &OpenposeOptions::default())
+        };
+        assert_eq!(crowd(100, 200).unwrap().people.len(), 100);
+        let refused = crowd(101, 0).unwrap_err().to_string();
+        assert_eq!(refused, "a.json: more than 100 people, the most that are read");
+    }
 
     fn one_person(numbers: &str) -> String {
         format!("{{\"version\":1.3,\"people\":[{{\"person_id\":[-1],\"pose_keypoints_2d\":[{numbers}]}}]}}")

@@ -12,8 +12,10 @@
 //! # Ok::<(), sinew_formats::Error>(())
 //! ```
 
+use crate::limits::{MAX_POINTS, check_count};
 use crate::tidy_csv::{Cell, Numbers, write_row};
 use crate::{Error, Place};
+use std::collections::HashMap;
 use std::io::{self, Write};
 
 /// Trajectories of named points.
@@ -48,7 +50,7 @@ pub fn write_frame(out: &mut impl Write, time_s: f64, points: &[Option<[f64; 3]>
 /// Finds the points in a table of numbers; other columns are ignored.
 ///
 /// # Errors
-/// No column `time_s`, a time that is missing, no points, a point with fewer than three coordinates.
+/// No column `time_s`, a time that is missing, no points or more than [`MAX_POINTS`], a point with fewer than three coordinates.
 pub fn from_numbers(name: &str, table: &Numbers) -> Result<PointTable, Error> {
     let missing = |field: &str| Place::file(name).lacks(field);
     let time = table.column("time_s").ok_or_else(|| missing("time_s"))?;
@@ -57,11 +59,16 @@ pub fn from_numbers(name: &str, table: &Numbers) -> Result<PointTable, Error> {
     if names.is_empty() {
         return Err(missing("<point>_x_m"));
     }
+    check_count(|| Place::file(name), names.len(), "points", MAX_POINTS)?;
+    let mut places: HashMap<&str, usize> = HashMap::with_capacity(table.columns.len());
+    for (place, title) in table.columns.iter().enumerate() {
+        places.entry(title).or_insert(place);
+    }
     let mut triples: Vec<[usize; 3]> = Vec::with_capacity(names.len());
     for point in &names {
         let column = |axis: &str| {
             let title = format!("{point}_{axis}_m");
-            table.column(&title).ok_or_else(|| missing(&title))
+            places.get(title.as_str()).copied().ok_or_else(|| missing(&title))
         };
         triples.push([column("x")?, column("y")?, column("z")?]);
     }

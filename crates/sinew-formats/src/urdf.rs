@@ -27,6 +27,7 @@
 //! # Ok::<(), sinew_formats::Error>(())
 //! ```
 
+use crate::limits::{MAX_JOINTS, check_count};
 use crate::nearest::nearest;
 use crate::rotation::{Matrix, about_axis, product};
 use crate::source_text::shortened;
@@ -74,6 +75,7 @@ pub fn read(name: &str, text: &str) -> Result<Urdf, Error> {
         element.attribute(key).map(str::to_owned).ok_or_else(missing)
     };
     let names = root.named("link").map(|link| required(link, "name")).collect::<Result<Vec<String>, Error>>()?;
+    check_count(|| at(root), names.len(), "links", MAX_JOINTS)?;
     let mut above: BTreeMap<String, Hinge<'_>> = BTreeMap::new();
     for element in root.named("joint") {
         let linked = |key: &str| {

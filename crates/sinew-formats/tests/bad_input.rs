@@ -212,7 +212,7 @@ fn files_that_claim_too_much() {
     let deep = format!("a = {}", "[".repeat(100_000));
     assert!(calib_toml::read("Calib.toml", &deep).is_err());
     let error = source_text::check_size("a.json", 4_000_000_000, source_text::MAX_KEYPOINT_BYTES).unwrap_err();
-    assert_snapshot!(error, @"a.json: the file has 4 GB; at most 67 MB are read");
+    assert_snapshot!(error, @"a.json: the file has 4 GB; at most 17 MB are read");
     let error =
         trc(|text| format!("{}{}", text.replace("60\t2\t2", "60\t1000000000\t2"), "\n".repeat(11_770))).unwrap_err();
     assert_snapshot!(error, @"a.trc: file claims 10^9 frames, holds 12 kB");

@@ -95,7 +95,7 @@ impl Storage for Disk {
     }
 
     fn read(&self, path: &Path) -> io::Result<Box<dyn Read>> {
-        Ok(Box::new(io::BufReader::new(fs::File::open(path)?)))
+        Ok(Box::new(io::BufReader::new(sinew_input::files::open(path)?)))
     }
 
     fn exists(&self, path: &Path) -> bool {

@@ -7,6 +7,7 @@ pub(crate) fn help(error: &Error) -> Option<String> {
         Error::NotUtf8 { .. } => "open the file in an editor and save it with the encoding UTF-8".into(),
         Error::TooLarge { .. } => "is this the right file? split the recording if it is".into(),
         Error::Truncated { .. } => "the program that wrote the file was probably stopped; write or copy it again".into(),
+        Error::TooMany { .. } => "is this the right file? take out what is not needed if it is".into(),
         Error::TooDeep { .. } | Error::ImpossibleCount { .. } => "the file is damaged or of another kind; write or copy it again".into(),
         Error::OutOfRange { place, .. } => {
             let is_json = place.file.to_lowercase().ends_with(".json");

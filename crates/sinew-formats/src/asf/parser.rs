@@ -1,6 +1,7 @@
 //! Parser of ASF files: sections `:units`, `:root`, `:bonedata`, `:hierarchy`; others are skipped.
 
 use super::skeleton::{Asf, AsfBone, RootChannel, fixed_axes};
+use crate::limits::{MAX_JOINTS, check_count};
 use crate::nearest::nearest;
 use crate::rotation::IDENTITY;
 use crate::source_text::{finite, numbered_lines, shortened};
@@ -188,6 +189,7 @@ impl Parser<'_> {
             return Err(self.place().twice("bone", name));
         }
         self.bones.insert(name, bone);
+        check_count(|| self.place(), self.bones.len(), "bones", MAX_JOINTS)?;
         Ok(())
     }
 
@@ -262,6 +264,14 @@ mod tests {
         :bonedata\n begin\n id 1\n name shin\n direction 0 -1 0\n length 2\n axis 0 0 0 XYZ\n dof rx\n limits (-10 170)\n end\n\
         begin\n name thigh\n direction 0 -1 0\n length 1\n axis 0 0 90 XYZ\n dof rx rz\n limits (-1 1)\n (-1 1)\n end\n\
         :hierarchy\n begin\n root thigh\n thigh shin\n end\n";
+
+    #[test]
+    fn skeletons_have_a_bound() {
+        let bone = |k: usize| format!("begin\nname b{k}\nend\n");
+        let bones: String = (0..2001).map(bone).collect();
+        let text = format!(":units\nlength 1\n:root\norder TX\naxis XYZ\n:bonedata\n{bones}");
+        check_error(&text, "a.asf:6009: more than 2000 bones, the most that are read");
+    }
 
     fn check_error(text: &str, message: &str) {
         assert_eq!(read("a.asf", text).unwrap_err().to_string(), message);

@@ -1,6 +1,7 @@
 //! Reader of BVH files: a stream of words for the hierarchy, one line per frame for the motion.
 
 use super::hierarchy::{Bvh, BvhJoint, CHANNEL_NAMES, Channel};
+use crate::limits::{MAX_JOINTS, check_count};
 use crate::nearest::nearest;
 use crate::source_text::{check_claim, finite, numbered_lines, shortened};
 use crate::{Error, Place, Warning};
@@ -9,7 +10,7 @@ use std::collections::BTreeSet;
 /// Reads a file.
 ///
 /// # Errors
-/// A hierarchy that is none, channels that are unknown, rows of another length, cells that are no numbers, a frame count
+/// A hierarchy that is none or has more than [`MAX_JOINTS`] joints, channels that are unknown, rows of another length, cells that are no numbers, a frame count
 /// that the file cannot hold.
 pub fn read(name: &str, text: &str) -> Result<Bvh, Error> {
     let mut lines = numbered_lines(text);
@@ -188,6 +189,7 @@ fn new_joint<'a>(
         return Err(words.place().twice("joint", name));
     }
     joints.push(BvhJoint { name, parent, offset: [0.0; 3], channels: Vec::new(), end_site: None });
+    check_count(|| words.place(), joints.len(), "joints", MAX_JOINTS)?;
     Ok(Open::Joint(joints.len() - 1))
 }
 
@@ -263,6 +265,14 @@ mod tests {
         );
         check_error(&FILE.replace(".0083333", "0"), "a.bvh:18: Frame Time = 0; must be positive");
         check_error(&FILE.replace("Leg", "My Hips"), "a.bvh:7: the joint `My Hips` is there twice");
+        let chain = |joints: usize| {
+            let joint = |k: usize| format!("JOINT j{k}\n{{\nOFFSET 0 1 0\nCHANNELS 0\n");
+            let below: String = (1..joints).map(joint).collect();
+            let joints = format!("ROOT j0\n{{\nOFFSET 0 0 0\nCHANNELS 0\n{below}{}", "}\n".repeat(joints));
+            format!("HIERARCHY\n{joints}MOTION\nFrames: 0\nFrame Time: 0.1\n")
+        };
+        assert_eq!(read("a.bvh", &chain(2000)).unwrap().joints.len(), 2000);
+        check_error(&chain(2001), "a.bvh:8003: more than 2000 joints, the most that are read");
         let warnings = read("a.bvh", &FILE.replace("Frames: 2", "Frames: 3")).unwrap().warnings;
         assert_eq!(warnings[0].to_string(), "a.bvh: Frames says 3, the file holds 2");
     }

@@ -1,6 +1,7 @@
 //! Reader of TRC files with the quirks of the programs that write them.
 
 use super::table::{Header, Trc, TrcFrame, Units};
+use crate::limits::{MAX_POINTS, check_count};
 use crate::point_name::repeated;
 use crate::row_time::RowTime;
 use crate::source_text::{check_claim, finite, finite_or_missing, numbered_lines, shortened};
@@ -29,6 +30,7 @@ pub fn read(name: &str, text: &str) -> Result<Trc, Error> {
         warnings.push(Warning::SpacesForTabs { place: Place::file(name) });
     }
     let markers: Vec<String> = cells(names).iter().skip(2).filter(|cell| !cell.is_empty()).map(|&c| c.into()).collect();
+    check_count(|| Place::file(name), markers.len(), "markers", MAX_POINTS)?;
     let fields = Fields { name, line: values_line, keys: cells(keys), values: cells(values) };
     let header = fields.header(file_name, markers, &mut warnings)?;
     let stated_frames = fields.count("NumFrames")?;
@@ -189,6 +191,16 @@ mod tests {
 
     fn warnings(text: &str) -> Vec<String> {
         read("a.trc", text).unwrap().warnings.iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn markers_have_a_bound() {
+        let markers = |count: usize| {
+            let names: String = (0..count).map(|k| format!("\tM{k}\t\t")).collect();
+            format!("PathFileType\t4\nDataRate\tUnits\n60\tm\nFrame#\tTime{names}\n1\t0.0\t1\t2\t3\n")
+        };
+        assert_eq!(read("a.trc", &markers(10_000)).unwrap().header.markers.len(), 10_000);
+        check_error(&markers(10_001), "a.trc: more than 10 000 markers, the most that are read");
     }
 
     fn check_error(text: &str, message: &str) {

@@ -18,6 +18,12 @@ pub struct NumberArray {
 /// Most numbers of an array.
 const MOST: usize = 1 << 28;
 
+/// Most texts of an array.
+const MOST_TEXTS: usize = 1 << 20;
+
+/// Most values of an array that may lack chunks, in whose places the fill value stands. Of a larger one all chunks must be there, so that no memory is taken for what was only promised.
+const MOST_LACKING: usize = 1 << 20;
+
 /// An array as it is stored.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoredArray {
@@ -131,7 +137,7 @@ impl<'a> Parsed<'a> {
             Some("float64") => StoredValues::Float64(grid.gather(f64::NAN, fixed(f64::from_le_bytes), chunk)?),
             Some("int64") => StoredValues::Int64(grid.gather(0, fixed(i64::from_le_bytes), chunk)?),
             Some("bool") => StoredValues::Bool(grid.gather(false, fixed(|[byte]: [u8; 1]| byte != 0), chunk)?),
-            Some("string") => StoredValues::Text(grid.gather(String::new(), texts, chunk)?),
+            Some("string") => StoredValues::Text(grid.gather_at_most(MOST_TEXTS, String::new(), texts, chunk)?),
             _ => return Err(self.refused("data_type", "float32, float64, int64, bool or string")),
         };
         Ok(StoredArray { shape, dimensions, attributes, values })
@@ -171,9 +177,19 @@ struct Grid<'a> {
 }
 
 impl Grid<'_> {
-    /// All values, from one chunk after the other.
-    fn gather<T: Clone>(
+    /// All numbers, from one chunk after the other.
+    fn gather<T: Clone + Default>(
         &self,
+        fill: T,
+        decode: impl Fn(&[u8], usize) -> Decoded<T>,
+        chunk: impl FnMut(&str) -> Result<Option<Vec<u8>>, Error>,
+    ) -> Result<Vec<T>, Error> {
+        self.gather_at_most(MOST, fill, decode, chunk)
+    }
+
+    fn gather_at_most<T: Clone + Default>(
+        &self,
+        most: usize,
         fill: T,
         decode: impl Fn(&[u8], usize) -> Decoded<T>,
         mut chunk: impl FnMut(&str) -> Result<Option<Vec<u8>>, Error>,
@@ -181,16 +197,22 @@ impl Grid<'_> {
         let Self { parsed, shape, cut } = *self;
         let product = |sizes: &[usize]| sizes.iter().try_fold(1_usize, |all, size| all.checked_mul(*size));
         let (Some(total), Some(in_chunk)) =
-            (product(shape).filter(|n| *n <= MOST), product(cut).filter(|n| *n <= MOST))
+            (product(shape).filter(|n| *n <= most), product(cut).filter(|n| *n <= most))
         else {
             return Err(parsed.refused("shape", "fewer numbers"));
         };
-        let mut values = vec![fill; total];
+        // Zeros take no memory before something is written over them.
+        let mut values = vec![if total > MOST_LACKING { T::default() } else { fill }; total];
         let grid: Vec<usize> = shape.iter().zip(cut).map(|(size, cut)| size.div_ceil(*cut)).collect();
         for number in 0..product(&grid).unwrap_or(0) {
             let at = places(number, &grid);
             let key = chunk_key(at.iter().copied());
-            let Some(bytes) = chunk(&key)? else { continue };
+            let Some(bytes) = chunk(&key)? else {
+                if total > MOST_LACKING {
+                    return Err(parsed.wrong(format!("{total} values and no chunk {key}"), "all chunks of so many"));
+                }
+                continue;
+            };
             let decoded = decode(&bytes, in_chunk)
                 .map_err(|due| parsed.wrong(format!("chunk {key} has {} bytes", bytes.len()), &due))?;
             self.place(&at, &decoded, &mut values);
@@ -300,5 +322,23 @@ mod tests {
         assert!(refused("\"shape\"", "\"form\"").contains("a list of counts"));
         let huge = read(&store, |text| text.replacen("\"shape\": [\n    2", "\"shape\": [\n    200000000000", 1));
         assert!(huge.unwrap_err().to_string().contains("fewer numbers"));
+    }
+
+    /// 2²⁸ numbers of which one chunk is there, and a million texts more than are read.
+    #[test]
+    fn what_is_only_promised_takes_no_memory() {
+        let promise = |kind: &str, codec: &str, count: usize| {
+            format!(
+                "{{\"shape\":[{count}],\"data_type\":\"{kind}\",\"chunk_grid\":{{\"configuration\":{{\"chunk_shape\":[2]}}}},\
+                 \"chunk_key_encoding\":{{\"configuration\":{{\"separator\":\".\"}}}},\"codecs\":[{{\"name\":\"{codec}\"}}]}}"
+            )
+        };
+        let first = |key: &str| Ok((key == "c.0").then(|| vec![0; 16]));
+        let refused = numbers("place", &promise("float64", "bytes", 1 << 28), first).unwrap_err();
+        assert_eq!(refused.to_string(), "place: 268435456 values and no chunk c.1; expected all chunks of so many");
+        let refused = array("place", &promise("string", "vlen-utf8", (1 << 20) + 1), |_| Ok(None)).unwrap_err();
+        assert!(refused.to_string().contains("fewer numbers"), "{refused}");
+        let few = numbers("place", &promise("float64", "bytes", 3), first).unwrap();
+        assert!(few.values[..2] == [0.0; 2] && few.values[2].is_nan());
     }
 }
