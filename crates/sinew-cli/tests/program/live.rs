@@ -271,6 +271,28 @@ fn an_interrupt_completes_the_results() {
     assert_eq!((code, &answers.last().unwrap()["end"]["frames"]), (0, &4.into()), "{printed}");
 }
 
+/// A gap of a minute at 30 frames a second, and a camera whose name is as long as a line may be.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_ends_a_run_in_a_gap() {
+    let trial = set_up(0.3);
+    let mut running = Running::begun(&trial, &["--setup", "setup.toml", "-olive"]);
+    (0..2).for_each(|frame| drop(running.exchange(&trial, frame)));
+    running.send(&format!("{{\"frame\":2,\"cameras\":{{\"{}\":null}}}}", "x".repeat(8 << 20)));
+    let refused = running.answer()["refused"].as_str().unwrap().to_owned();
+    assert!(refused.starts_with("no calibration for `xxx") && refused.len() <= 500, "{} bytes", refused.len());
+    running.send(&line(&trial, 2).replace("\"frame\":2", "\"frame\":1700"));
+    assert_eq!(running.answer()["frame"], 2);
+    let process = running.child.id().to_string();
+    assert!(std::process::Command::new("kill").args(["-INT", &process]).status().unwrap().success());
+    let held = running.frames.take();
+    let (answers, code, printed) = running.finished();
+    drop(held);
+    let frames = answers.last().unwrap()["end"]["frames"].as_u64().unwrap();
+    assert!(code == 0 && (3..1000).contains(&frames), "{code}, {frames}: {printed}");
+    assert!(printed.contains(&format!("{} frames never came; the motion prior bridges them", frames - 2)), "{printed}");
+}
+
 #[test]
 fn a_socket_answers_who_connects() {
     let trial = set_up(0.3);

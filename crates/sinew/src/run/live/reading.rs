@@ -14,10 +14,18 @@ use std::sync::Arc;
 /// Bytes of a line at most: a hundred people in a hundred cameras.
 pub(super) const MOST_BYTES: usize = 1 << 24;
 
+/// Characters that are said of a line at most: answers that nobody takes wait in memory.
+const MOST_WORDS: usize = 500;
+
 /// The frame number of a line that cannot be read as a frame.
 #[derive(serde::Deserialize)]
 struct Numbered {
     frame: Option<u64>,
+}
+
+/// The beginning of what is said of a line, which may hold names as long as the line.
+fn bounded(text: &str) -> &str {
+    text.char_indices().nth(MOST_WORDS).map_or(text, |(end, _)| &text[..end])
 }
 
 /// What lines are checked against, and where frames and refusals go.
@@ -112,7 +120,20 @@ impl Reading {
     }
 
     fn refuse(&self, line: u64, frame: Option<u64>, kind: Kind, text: &str) {
+        let text = bounded(text);
         self.queue.state().refusals.add(kind, text);
         self.answering.post(refused(line, frame, text));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_said_of_a_line_is_no_longer_than_a_few_sentences() {
+        let long = "\u{e9}".repeat(8 << 20);
+        assert_eq!(bounded(&long).chars().count(), MOST_WORDS);
+        assert_eq!(bounded("no calibration for `C7`"), "no calibration for `C7`");
     }
 }

@@ -27,7 +27,7 @@ pub(super) struct Source<'a> {
     ahead: Option<Views>,
     /// Frames that were replaced before tracking began.
     skipped_before: Option<u64>,
-    last: Option<u64>,
+    has_begun: bool,
     /// Frames that never came.
     missing: u64,
 }
@@ -54,7 +54,7 @@ impl<'a> Source<'a> {
             stop,
             ahead: Some(first),
             skipped_before: None,
-            last: None,
+            has_begun: false,
             missing: 0,
         })
     }
@@ -106,13 +106,16 @@ impl Arrivals for Source<'_> {
         }
         let views = self.next()?;
         let number = views.number;
-        if self.last.is_none() {
+        if !self.has_begun {
             self.listener.note(&format!("tracking from frame {number}"));
         }
-        self.missing += self.last.map_or(0, |last| number - last - 1);
-        self.last = Some(number);
+        self.has_begun = true;
         self.recording.take(views);
         Some(number)
+    }
+
+    fn bridged(&mut self, frames: u64) {
+        self.missing += frames;
     }
 }
 

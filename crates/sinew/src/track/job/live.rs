@@ -25,12 +25,15 @@ use crate::track::pipeline::{KeepFrames, Pipeline};
 use sinew_results::estimate::{FrameEstimate, RunInfo};
 use sinew_results::{Claim, ResultFolder};
 use sinew_tracking::posterior::Posterior;
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 
 /// A source whose frames come while they are tracked.
 pub trait Arrivals: FrameSource {
     /// Waits for the next frame and gives its number, which rises; none at the end of the source.
     fn arrive(&mut self) -> Option<u64>;
+
+    /// Hears how many frames that never came were tracked before the one that arrived last.
+    fn bridged(&mut self, frames: u64);
 }
 
 /// Takes what is known of each frame as soon as it is.
@@ -68,8 +71,10 @@ pub fn track_live<S: Arrivals>(
     let mut keeper = Keeper::open(claim, info, checkpoint, &config, &pipeline)?;
     let (mut next, mut arrived, mut tracked) = (first, Some(first), Ok(()));
     while let (Some(number), false) = (arrived, watch.is_stopped()) {
-        let answering = Answering { keeper: &mut keeper, answers };
+        let mut kept = 0;
+        let answering = Answering { keeper: &mut keeper, answers, watch, kept: &mut kept };
         tracked = pipeline.track(source.source_mut(), next..number + 1, answering);
+        source.source_mut().bridged(kept.min(number - next));
         if tracked.is_err() {
             break;
         }
@@ -91,12 +96,14 @@ pub fn track_live<S: Arrivals>(
 }
 
 /// Answers each frame, then keeps it.
-struct Answering<'a> {
+struct Answering<'a, 'w> {
     keeper: &'a mut Keeper,
     answers: &'a mut dyn Answers,
+    watch: &'a Watch<'w>,
+    kept: &'a mut u64,
 }
 
-impl KeepFrames for Answering<'_> {
+impl KeepFrames for Answering<'_, '_> {
     fn known(&mut self, estimate: &FrameEstimate) {
         if !self.keeper.is_late() {
             self.answers.frame(estimate);
@@ -104,12 +111,18 @@ impl KeepFrames for Answering<'_> {
     }
 
     fn keep(&mut self, estimate: FrameEstimate, _: &Posterior<'_>) -> Result<(), Error> {
-        let Self { keeper, answers } = self;
+        let Self { keeper, answers, kept, .. } = self;
+        **kept += 1;
         let is_late = keeper.is_late();
         keeper.take(estimate, |estimate| {
             if is_late {
                 answers.frame(estimate);
             }
         })
+    }
+
+    /// An interrupt ends the run in a gap, too.
+    fn flow(&mut self) -> ControlFlow<()> {
+        self.watch.flow()
     }
 }
