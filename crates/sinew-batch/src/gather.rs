@@ -2,13 +2,16 @@
 
 use super::angle_draws::{ANGLE_DRAWS, read_angle_draws};
 use super::group_statistics::{Groups, to_csv};
-use super::ledger::{EndedTask, RESULTS, TaskEnd, ended};
+use super::ledger::{EndedTask, TaskEnd, ended, results_folder};
 use super::packed::{inside, unpacked};
 use super::page::page;
 use super::plan::{Task, read};
 use super::trial_table::{Gathered, TrialState, row, table};
 use crate::Error;
 use serde_json::Value;
+use sinew::files::read_text;
+use sinew::formats::json_text;
+use sinew::formats::source_text::{MAX_TEXT_BYTES, decode};
 use sinew_results::write_whole;
 use std::fs;
 use std::path::Path;
@@ -65,8 +68,10 @@ pub fn gather(study: &Path, by: GroupBy) -> Result<Gathered, Error> {
     for task in &tasks {
         let line = known.get(&task.trial).filter(|line| line.hash == task.hash);
         let found = line.filter(|line| line.is_there() && line.is_kept(study)).map(|line| results(study, line));
-        let found = found.and_then(Result::ok).unwrap_or_default();
-        let (state, why) = state_of(line, !found.is_empty());
+        let found = found.unwrap_or(Ok(vec![]));
+        let damage = found.as_ref().err().map(|error| sinew::with_causes(error));
+        let found = found.unwrap_or_default();
+        let (state, why) = state_of(line, !found.is_empty(), damage);
         gathered.counts[state as usize] += 1;
         if found.is_empty() {
             gathered.lacking.push((task.trial.clone(), why.clone()));
@@ -84,10 +89,21 @@ pub fn gather(study: &Path, by: GroupBy) -> Result<Gathered, Error> {
     Ok(gathered)
 }
 
-fn state_of(line: Option<&EndedTask>, has_results: bool) -> (TrialState, String) {
+fn state_of(line: Option<&EndedTask>, has_results: bool, damage: Option<String>) -> (TrialState, String) {
     match line {
         Some(line) if line.is_there() && !has_results => {
-            (TrialState::Missing, "its results are gone or damaged: run the study again".into())
+            // A run sees summaries and archives that are gone or cut, and not what else is wrong.
+            let why = match (damage, &line.packed) {
+                (None, _) => "its results are gone or damaged: run the study again".into(),
+                (Some(why), Some(packed)) => {
+                    format!("its results are damaged ({why}): remove {}, and run the study again", packed.archive)
+                }
+                (Some(why), None) => {
+                    let folder = results_folder(Path::new(""), &line.trial);
+                    format!("its results are damaged ({why}): remove {}, and run the study again", folder.display())
+                }
+            };
+            (TrialState::Missing, why)
         }
         None => (TrialState::Missing, "not run yet, or not since inputs or settings changed".into()),
         Some(line) => {
@@ -103,12 +119,12 @@ fn state_of(line: Option<&EndedTask>, has_results: bool) -> (TrialState, String)
 
 /// Person, summary and angles of each result folder of a trial.
 fn results(study: &Path, line: &EndedTask) -> Result<Vec<(String, Value, String)>, Error> {
-    let mut files = match &line.packed {
+    let mut files: Vec<(String, String)> = match &line.packed {
         Some(packed) => unpacked(study, packed, |name| name.ends_with("summary.json") || name.ends_with(ANGLE_DRAWS))?
             .into_iter()
-            .map(|(name, bytes)| (inside(&line.trial, &name).to_owned(), String::from_utf8_lossy(&bytes).into_owned()))
-            .collect(),
-        None => small_files(&study.join(RESULTS).join(&line.trial))?,
+            .map(|(name, bytes)| Ok((inside(&line.trial, &name).to_owned(), text_of(&name, &bytes)?)))
+            .collect::<Result<_, Error>>()?,
+        None => small_files(&results_folder(study, &line.trial))?,
     };
     files.sort();
     let text = |wanted: &str| files.iter().find(|(name, _)| name == wanted).map(|(_, text)| text.clone());
@@ -117,10 +133,15 @@ fn results(study: &Path, line: &EndedTask) -> Result<Vec<(String, Value, String)
     let found = summaries.into_iter().filter(|(name, _)| !has_people || name.contains('/')).map(|(name, summary)| {
         let folder = name.strip_suffix("summary.json").unwrap_or_default();
         let person = folder.trim_end_matches('/').rsplit('/').next().unwrap_or_default().to_owned();
-        let summary = serde_json::from_str(summary).unwrap_or_default();
-        (person, summary, text(&format!("{folder}{ANGLE_DRAWS}")).unwrap_or_default())
+        let summary: Value = json_text::parse(name, summary).map_err(sinew::Error::from)?;
+        Ok((person, summary, text(&format!("{folder}{ANGLE_DRAWS}")).unwrap_or_default()))
     });
-    Ok(found.collect())
+    found.collect()
+}
+
+/// Text of a file in an archive.
+fn text_of(name: &str, bytes: &[u8]) -> Result<String, Error> {
+    Ok(decode(name, bytes, MAX_TEXT_BYTES).map_err(sinew::Error::from)?.to_owned())
 }
 
 /// The summaries and angles in a result folder and in the folders of its people, by their path in it.
@@ -132,7 +153,7 @@ fn small_files(folder: &Path) -> Result<Vec<(String, String)>, Error> {
         for name in ["summary.json", ANGLE_DRAWS] {
             let path = folder.join(&below).join(name);
             if path.is_file() {
-                let text = fs::read_to_string(&path).map_err(sinew::Error::io("read", &path))?;
+                let text = read_text(&path, MAX_TEXT_BYTES).map_err(sinew::Error::from)?;
                 found.push((format!("{below}{name}"), text));
             }
         }
@@ -163,5 +184,42 @@ mod tests {
         let groups = GroupBy::NAMES.map(|name| name.parse::<GroupBy>().unwrap().of(&walk));
         assert_eq!(groups, ["S1/day2", "walk", "anna", "all"]);
         assert!("people".parse::<GroupBy>().is_err());
+    }
+
+    /// A trial whose angles are no text beside one whose summary was cut and one that is whole.
+    #[test]
+    fn damaged_results_are_missing_and_what_to_do_is_said() {
+        use super::super::ledger::Ledger;
+        use super::super::plan::{Share, StudyPlan, write};
+        use super::super::shard::Shard;
+        let study = tempfile::tempdir().unwrap();
+        let at = study.path();
+        let tasks = ["a", "b", "c"].map(|trial| Task { hash: "x".into(), ..task(trial, None) });
+        let plan = StudyPlan {
+            sinew_version: "0".into(),
+            root: at.into(),
+            packed: false,
+            share: Share::Nothing,
+            trials: None,
+        };
+        write(at, &plan, &tasks).unwrap();
+        let line = |trial: &str| serde_json::json!({"trial": trial, "hash": "x", "ended": "done", "code": 0, "seconds": 1, "computing_s": 1, "run": 1, "at_unix_s": 0});
+        let lines = ["a", "b", "c"].map(|trial| serde_json::from_value::<EndedTask>(line(trial)).unwrap());
+        Ledger::open(at, Shard::WHOLE).unwrap().add(lines.iter()).unwrap();
+        let write_file = |name: &str, bytes: &[u8]| {
+            let path = at.join("results").join(name);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, bytes).unwrap();
+        };
+        for trial in ["a", "b", "c"] {
+            write_file(&format!("{trial}/summary.json"), b"{\"frame_count\": 3}");
+        }
+        write_file("b/summary.json", b"{\"frame_count\": ");
+        write_file("c/angle_draws.csv", b"name,draw\n\xc3");
+        let gathered = gather(at, GroupBy::All).unwrap();
+        assert_eq!(gathered.counts, [1, 0, 0, 2]);
+        let [b, c] = gathered.lacking.as_slice() else { panic!("{gathered:?}") };
+        assert_eq!(b.1, "its results are gone or damaged: run the study again");
+        assert!(c.1.contains("is not UTF-8") && c.1.ends_with("remove results/c, and run the study again"), "{}", c.1);
     }
 }

@@ -1,16 +1,18 @@
 //! The plan of a study: one task a trial, with a hash of what its results depend on.
 //!
-//! Of text files the hash is over their content; of images and masks over names, sizes and times of change, since reading them all takes as long as tracking.
+//! Of text files the hash is over their content; of images, masks and films over names, sizes and times of change, since reading them all takes as long as tracking. Results and studies among the inputs do not count.
 
-use super::trials::{self, FoundTrial, TASKS};
+use super::trials::{self, FoundTrial, TASKS, is_output};
 use crate::Error;
 use serde::{Deserialize, Serialize};
 use sinew::config::common::{ANY_SIZE, BODY, CAMERAS, CONFIDENCE_SCALE, FPS, IMAGE_SCALE, LAYOUT, SEED, UP, UP_AXIS};
 use sinew::config::{Resolved, TrackConfig};
-use sinew::files::{FNV_START, fnv, read_text};
+use sinew::files::{FNV_START, fnv, open, read_bytes, read_text};
+use sinew_input::folder_contents::is_video;
 use sinew_results::write_whole;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::fs;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::UNIX_EPOCH;
@@ -34,6 +36,9 @@ pub struct StudyPlan {
     /// What trials share.
     #[serde(default)]
     pub share: Share,
+    /// How many trials there are: `tasks.jsonl` has a line for each. [`write`] counts them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trials: Option<usize>,
 }
 
 /// What trials share.
@@ -109,6 +114,7 @@ pub fn plan(root: &Path, share: Share) -> Result<Vec<Task>, Error> {
         return Err(Error::NoTrials(root));
     }
     let mut tasks: Vec<Task> = found.iter().map(|trial| task(trial, &root)).collect();
+    refuse_among_people(&mut tasks);
     if share == Share::Nothing {
         tasks.iter_mut().for_each(|task| task.pool = None);
     }
@@ -130,6 +136,17 @@ pub fn plan(root: &Path, share: Share) -> Result<Vec<Task>, Error> {
         }
     }
     Ok(tasks)
+}
+
+/// A trial in a folder `people` of another one would have its results where those of people of the other are written.
+fn refuse_among_people(tasks: &mut [Task]) {
+    let names: HashSet<String> = tasks.iter().map(|task| task.trial.clone()).collect();
+    for task in tasks {
+        let mut above = task.trial.match_indices("/people/").map(|(end, _)| &task.trial[..end]);
+        let Some(other) = above.find(|above| names.contains(*above)) else { continue };
+        task.problem =
+            Some(format!("its results would lie among those of people in `{other}`; rename the folder `people`"));
+    }
 }
 
 fn task(trial: &FoundTrial, root: &Path) -> Task {
@@ -186,23 +203,43 @@ fn input_hash(resolved: &Resolved, config: &TrackConfig) -> Result<u64, Error> {
 /// Extensions of files that are not read for the hash.
 const IMAGES: [&str; 5] = ["png", "jpg", "jpeg", "bmp", "tif"];
 
+/// Larger files than this may be films.
+const LARGE_BYTES: u64 = 16 << 20;
+
 /// Folds a file, or a folder with all in it, into a hash.
 fn hash_of(hash: u64, path: &Path) -> Result<u64, Error> {
+    folded(hash, path, &mut HashSet::new())
+}
+
+/// As [`hash_of`], but for folders that were `seen`: links may lead to them again.
+fn folded(hash: u64, path: &Path, seen: &mut HashSet<PathBuf>) -> Result<u64, Error> {
     let failed = |error| sinew::Error::io("read", path)(error);
     let found = fs::metadata(path).map_err(failed)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let hash = fnv(fnv(hash, name.as_bytes()), &[0]);
     if found.is_dir() {
+        // What is given may be results: those of a standing trial.
+        if (!seen.is_empty() && is_output(path)) || !seen.insert(path.canonicalize().map_err(failed)?) {
+            return Ok(hash);
+        }
         let mut entries: Vec<PathBuf> =
             fs::read_dir(path).and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect()).map_err(failed)?;
         entries.sort();
-        return entries.iter().try_fold(hash, |hash, entry| hash_of(hash, entry));
+        return entries.iter().try_fold(hash, |hash, entry| folded(hash, entry, seen));
     }
-    if path.extension().is_some_and(|extension| IMAGES.iter().any(|image| extension.eq_ignore_ascii_case(image))) {
+    let is_image =
+        path.extension().is_some_and(|extension| IMAGES.iter().any(|image| extension.eq_ignore_ascii_case(image)));
+    if is_image || (found.len() > LARGE_BYTES && is_video(path)) {
         let changed = found.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok()).unwrap_or_default();
         return Ok(fnv(fnv(hash, &found.len().to_le_bytes()), &changed.as_nanos().to_le_bytes()));
     }
-    Ok(fnv(hash, &fs::read(path).map_err(failed)?))
+    let (mut file, mut hash, mut piece) = (open(path).map_err(failed)?, hash, vec![0; 1 << 16]);
+    loop {
+        match file.read(&mut piece).map_err(failed)? {
+            0 => return Ok(hash),
+            read => hash = fnv(hash, &piece[..read]),
+        }
+    }
 }
 
 /// Writes a plan into the folder of a study.
@@ -213,7 +250,8 @@ pub fn write(study: &Path, plan: &StudyPlan, tasks: &[Task]) -> Result<(), Error
     fs::create_dir_all(study).map_err(sinew::Error::io("create", study))?;
     let lines: String = tasks.iter().map(|task| serde_json::to_string(task).unwrap_or_default() + "\n").collect();
     write_whole(&study.join(TASKS), lines.as_bytes())?;
-    let text = serde_json::to_string_pretty(plan).unwrap_or_default() + "\n";
+    let counted = StudyPlan { trials: Some(tasks.len()), ..plan.clone() };
+    let text = serde_json::to_string_pretty(&counted).unwrap_or_default() + "\n";
     Ok(write_whole(&study.join(PLAN), text.as_bytes())?)
 }
 
@@ -226,17 +264,22 @@ pub fn read(study: &Path) -> Result<(StudyPlan, Vec<Task>), Error> {
     if !plan.is_file() || !tasks.is_file() {
         return Err(Error::NotAStudy(study.to_owned()));
     }
-    let wrong = |path: &Path, line: usize, error: serde_json::Error| Error::StudyFile {
-        path: path.to_owned(),
-        line,
-        problem: error.to_string(),
-    };
+    let damaged = |path: &Path, line: usize, problem: String| Error::StudyFile { path: path.to_owned(), line, problem };
+    let wrong = |path: &Path, line: usize, error: serde_json::Error| damaged(path, line, error.to_string());
     let text = read_text(&plan, MAX_BYTES)?;
     let known: StudyPlan = serde_json::from_str(&text).map_err(|error| wrong(&plan, error.line(), error))?;
-    let text = read_text(&tasks, MAX_BYTES)?;
-    let lines = (1..).zip(text.lines());
-    let all = lines.map(|(line, text)| serde_json::from_str(text).map_err(|error| wrong(&tasks, line, error)));
-    Ok((known, all.collect::<Result<_, _>>()?))
+    // Bytes, since a file that was cut may end inside a letter.
+    let bytes = read_bytes(&tasks, MAX_BYTES)?;
+    let lines = (1..).zip(bytes.split(|byte| *byte == b'\n').filter(|line| !line.is_empty()));
+    let all = lines.map(|(line, text)| serde_json::from_slice(text).map_err(|error| wrong(&tasks, line, error)));
+    let all: Vec<Task> = all.collect::<Result<_, _>>()?;
+    match known.trials {
+        Some(due) if due != all.len() => {
+            let problem = format!("the file has {} trials; the plan was made of {due}", all.len());
+            Err(damaged(&tasks, all.len(), problem))
+        }
+        _ => Ok((known, all)),
+    }
 }
 
 #[cfg(test)]
@@ -319,15 +362,65 @@ mod tests {
     }
 
     #[test]
+    fn films_and_studies_among_the_inputs_are_not_read() {
+        let root = study();
+        let before = plan(root.path(), Share::Nothing).unwrap();
+        let film = root.path().join("S1/a/pose/cam1.mp4");
+        fs::File::create(&film).unwrap().set_len(3 << 30).unwrap();
+        let with_film = plan(root.path(), Share::Nothing).unwrap();
+        assert!(with_film[0].hash != before[0].hash && with_film[1..] == before[1..]);
+        fs::remove_file(film).unwrap();
+        write_file(root.path(), "S1/a/pose/study/tasks.jsonl", "");
+        let linked = plan(root.path(), Share::Nothing).unwrap();
+        write_file(root.path(), "S1/a/pose/study/ended/0-of-1.jsonl", "more");
+        assert_eq!(plan(root.path(), Share::Nothing).unwrap(), linked);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn pipes_and_rings_of_links_among_the_inputs_end_in_words() {
+        let root = study();
+        let pose = root.path().join("S1/a/pose");
+        for ring in ["to_all", "to_all_again"] {
+            std::os::unix::fs::symlink(root.path(), pose.join(ring)).unwrap();
+        }
+        assert!(plan(root.path(), Share::Nothing).unwrap()[0].problem.is_none());
+        assert!(std::process::Command::new("mkfifo").arg(pose.join("pipe.json")).status().unwrap().success());
+        let tasks = plan(root.path(), Share::Nothing).unwrap();
+        assert!(tasks[0].problem.as_ref().unwrap().contains("pipe.json"), "{:?}", tasks[0]);
+    }
+
+    #[test]
+    fn trials_among_the_people_of_another_are_refused() {
+        let root = study();
+        for trial in ["S1/a/people/x", "people/b"] {
+            write_file(root.path(), &format!("{trial}/pose/c1_json/c1_0.json"), trial);
+        }
+        let tasks = plan(root.path(), Share::Nothing).unwrap();
+        let refused: Vec<&str> =
+            tasks.iter().filter(|task| task.problem.is_some()).map(|task| task.trial.as_str()).collect();
+        assert_eq!(refused, ["S1/a/people/x"]);
+        assert!(tasks[1].problem.as_ref().unwrap().contains("of people in `S1/a`"), "{:?}", tasks[1]);
+    }
+
+    #[test]
     fn plans_are_read_back() {
         let root = study();
         let tasks = plan(root.path(), Share::Session).unwrap();
         let folder = root.path().join("study");
-        let known =
-            StudyPlan { sinew_version: "0".into(), root: root.path().into(), packed: false, share: Share::Subject };
-        write(&folder, &known, &tasks).unwrap();
+        let (sinew_version, root_of_trials) = ("0".into(), root.path().into());
+        let trials = Some(tasks.len());
+        let known = StudyPlan { sinew_version, root: root_of_trials, packed: false, share: Share::Subject, trials };
+        write(&folder, &StudyPlan { trials: None, ..known.clone() }, &tasks).unwrap();
         assert_eq!(read(&folder).unwrap(), (known, tasks));
         assert!(matches!(read(root.path()), Err(Error::NotAStudy(_))));
+        // Cut behind each byte: every cut is noticed, by its line, also inside a letter and behind a line.
+        let whole = fs::read_to_string(folder.join(TASKS)).unwrap().replace("S1/a", "S\u{e4}/a");
+        let is_whole = |end: usize| whole.len() - end <= 1;
+        for end in (0..whole.len()).filter(|end| !is_whole(*end)) {
+            fs::write(folder.join(TASKS), &whole.as_bytes()[..end]).unwrap();
+            assert!(matches!(read(&folder), Err(Error::StudyFile { .. })), "{end}");
+        }
         fs::write(folder.join(TASKS), "{}\n").unwrap();
         assert!(read(&folder).unwrap_err().to_string().contains("line 1"));
     }

@@ -4,7 +4,7 @@
 
 use super::angle_draws::write_angle_draws;
 use super::keeping::{Ended, Keeping};
-use super::ledger::{EndedTask, Ledger, RESULTS, TaskEnd, ended};
+use super::ledger::{EndedTask, Ledger, TaskEnd, ended, results_folder};
 use super::packed::Archive;
 use super::plan::{Share, StudyPlan, Task, read};
 use super::pooled_setup::{PooledSetups, Shared};
@@ -77,8 +77,8 @@ pub fn run(
         let task: &Task = &tasks[place];
         known.get(&task.trial).is_some_and(|line| line.hash == task.hash && line.is_there() && line.is_kept(folder))
     };
-    let before = own().filter(is_done).count();
-    let missing: Vec<usize> = own().filter(|place| !is_done(place)).collect();
+    let (done, missing): (Vec<usize>, Vec<usize>) = own().partition(is_done);
+    let before = done.len();
     let workers = threads.min(missing.len()).max(1);
     let setups = PooledSetups::new(folder, shard, workers);
     let run = 1 + known.values().map(|line| line.run).max().unwrap_or(0);
@@ -170,8 +170,7 @@ impl Study<'_> {
             return Ok(Some((failed(3, problem.clone()), None)));
         }
         if !self.plan.packed {
-            let ending =
-                self.tracked_into(task, &self.folder.join(RESULTS).join(&task.trial), Arc::new(UnsyncedDisk))?;
+            let ending = self.tracked_into(task, &results_folder(self.folder, &task.trial), Arc::new(UnsyncedDisk))?;
             return Ok(ending.map(|ending| (ending, None)));
         }
         let scratch = Scratch::new()?;

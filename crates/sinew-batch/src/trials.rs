@@ -7,6 +7,8 @@ use crate::Error;
 use sinew::config::common::{self, KEYPOINTS, SILHOUETTES};
 use sinew::config::file::{FILE_NAME, read};
 use sinew::config::{Resolved, Sources, resolve};
+use std::collections::HashSet;
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -34,7 +36,7 @@ pub struct FoundTrial {
 /// A folder that cannot be read.
 pub fn find(root: &Path) -> Result<Vec<FoundTrial>, Error> {
     let mut found = vec![];
-    search(root, Path::new(""), &mut vec![], &mut found)?;
+    search(root, Path::new(""), &mut Searched::default(), &mut found)?;
     found.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(found)
 }
@@ -45,23 +47,40 @@ fn is_passed_over(name: &str) -> bool {
     is_input || name.starts_with('.') || matches!(name, "sinew-out" | "images" | "silhouettes" | "videos")
 }
 
-/// Adds the trials in and below a folder; `above` are the folders that lead to it, links resolved.
-fn search(root: &Path, below: &Path, above: &mut Vec<PathBuf>, found: &mut Vec<FoundTrial>) -> Result<(), Error> {
+/// Whether a folder holds results or a study, and no trial.
+pub(super) fn is_output(folder: &Path) -> bool {
+    ["summary.json", TASKS].iter().any(|name| folder.join(name).is_file())
+}
+
+/// Folders that were searched, links resolved: each is searched once, however many links lead to it.
+#[derive(Default)]
+struct Searched {
+    root: PathBuf,
+    folders: HashSet<PathBuf>,
+}
+
+/// Adds the trials in and below a folder.
+fn search(root: &Path, below: &Path, searched: &mut Searched, found: &mut Vec<FoundTrial>) -> Result<(), Error> {
     let folder = root.join(below);
     let failed = |error| sinew::Error::io("read", &folder)(error);
     let own = folder.canonicalize().map_err(failed)?;
-    let mut folders = vec![];
+    // A study may lie at the root of its trials.
+    let is_root = searched.folders.is_empty();
+    if !searched.folders.insert(own.clone()) || (!is_root && is_output(&folder)) {
+        return Ok(());
+    }
+    if is_root {
+        searched.root = own;
+    }
+    let mut folders: Vec<OsString> = vec![];
     for entry in fs::read_dir(&folder).map_err(failed)? {
         let entry = entry.map_err(failed)?;
         let kind = entry.file_type().map_err(failed)?;
-        if kind.is_dir() || (kind.is_symlink() && leads_elsewhere(&entry.path(), &own, above)) {
+        if kind.is_dir() || (kind.is_symlink() && leads_elsewhere(&entry.path(), &searched.root)) {
             folders.push(entry.file_name());
         }
     }
-    let is_output = ["summary.json", TASKS].iter().any(|name| folder.join(name).is_file());
-    if is_output {
-        return Ok(());
-    }
+    folders.sort_unstable();
     let file = folder.join(FILE_NAME);
     // A file with mistakes may be that of a trial, which then says what they are.
     let names_input = file.is_file()
@@ -70,21 +89,17 @@ fn search(root: &Path, below: &Path, above: &mut Vec<PathBuf>, found: &mut Vec<F
     if names_input || holds_keypoints(&folder.join(POSE)) {
         found.push(FoundTrial { name: slashed(below), has_file: names_input });
     }
-    above.push(own);
     for name in folders {
         if !is_passed_over(&name.to_string_lossy()) {
-            search(root, &below.join(name), above, found)?;
+            search(root, &below.join(name), searched, found)?;
         }
     }
-    above.pop();
     Ok(())
 }
 
-/// Whether a link leads to a folder outside the root (the first of `above`) that is neither `own` nor one of the folders above it. Only such links are followed: links into the root would give trials twice, links to folders above would not end.
-fn leads_elsewhere(link: &Path, own: &Path, above: &[PathBuf]) -> bool {
-    let is_new = |target: &Path| target != own && above.iter().all(|folder| folder != target);
-    let root = above.first().map_or(own, PathBuf::as_path);
-    link.canonicalize().is_ok_and(|target| target.is_dir() && !target.starts_with(root) && is_new(&target))
+/// Whether a link leads to a folder outside the root. Only such links are followed: links into the root would give trials twice.
+fn leads_elsewhere(link: &Path, root: &Path) -> bool {
+    link.canonicalize().is_ok_and(|target| target.is_dir() && !target.starts_with(root))
 }
 
 /// A path below the root with `/` between its parts.
@@ -186,6 +201,40 @@ mod tests {
         symlink(elsewhere, root.join("disk")).unwrap();
         let names: Vec<String> = find(root).unwrap().into_iter().map(|trial| trial.name).collect();
         assert_eq!(names, ["disk/walk", "own"]);
+    }
+
+    /// Each of twelve folders leads to all: 12! ways through them.
+    #[cfg(unix)]
+    #[test]
+    fn folders_that_link_to_each_other_are_searched_once() {
+        use std::os::unix::fs::symlink;
+        let [root, elsewhere] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+        let (root, elsewhere) = (root.path(), elsewhere.path());
+        let folders: Vec<PathBuf> = (0..12).map(|k| elsewhere.join(format!("{k:02}"))).collect();
+        for folder in &folders {
+            write(folder, "pose/cam1_json/cam1_0.json", "{}");
+            for (k, other) in folders.iter().enumerate() {
+                symlink(other, folder.join(format!("to{k:02}"))).unwrap();
+            }
+        }
+        symlink(&folders[0], root.join("first")).unwrap();
+        symlink(&folders[0], root.join("again")).unwrap();
+        let names: Vec<String> = find(root).unwrap().into_iter().map(|trial| trial.name).collect();
+        assert_eq!((names.len(), names[0].as_str(), names[1].as_str()), (12, "again", "again/to01"));
+    }
+
+    #[test]
+    fn a_study_may_lie_among_its_trials() {
+        let root = tempfile::tempdir().unwrap();
+        let root = root.path();
+        write(root, "walk/pose/cam1_json/cam1_0.json", "{}");
+        let names = || find(root).unwrap().into_iter().map(|trial| trial.name).collect::<Vec<_>>();
+        for study in ["", "walk/study/"] {
+            write(root, &format!("{study}tasks.jsonl"), "");
+            write(root, &format!("{study}results/walk/pose/cam1_json/cam1_0.json"), "{}");
+            write(root, &format!("{study}results/walk/summary.json"), "{}");
+            assert_eq!(names(), ["walk"]);
+        }
     }
 
     #[test]

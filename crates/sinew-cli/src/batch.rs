@@ -41,8 +41,13 @@ fn planned(args: &PlanArgs, general: &General, report: &Report) -> Result<Ended,
     }
     let tasks = plan(&args.trials, args.share)?;
     let root = std::path::absolute(&args.trials).map_err(sinew::Error::io("read", &args.trials))?;
-    let known =
-        StudyPlan { sinew_version: env!("CARGO_PKG_VERSION").into(), root, packed: args.pack, share: args.share };
+    let known = StudyPlan {
+        sinew_version: env!("CARGO_PKG_VERSION").into(),
+        root,
+        packed: args.pack,
+        share: args.share,
+        trials: None,
+    };
     write(&study, &known, &tasks)?;
     write_submit_files(&study, args.shards)?;
     let problems: Vec<String> =
