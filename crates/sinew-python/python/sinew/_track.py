@@ -93,7 +93,7 @@ def track(
         all_settings |= {"calibration": calibration, "keypoints": keypoints}
     all_settings["layout"] = layout
     typed = [(key, _typed(key, value)) for key, value in all_settings.items() if value is not None]
-    typed.append(("out", str(folder)))
+    typed.append(("out", _typed("out", folder)))
     heard = _Heard()
     path, failed = _sinew.track(
         typed,
@@ -183,4 +183,9 @@ def _typed(key: str, value: Any) -> str:
         return str(int(value)) if value.is_integer() and abs(value) < 1e15 else repr(value)
     if isinstance(value, (int, np.integer)):
         return str(int(value))
-    return os.fspath(value) if isinstance(value, os.PathLike) else str(value)
+    text = os.fspath(value) if isinstance(value, os.PathLike) else str(value)
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise UsageError(f"`{key}` is {text!r}, which is not UTF-8; rename it, or give a link with another name") from None
+    return text
