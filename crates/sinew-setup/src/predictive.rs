@@ -261,9 +261,10 @@ impl Watched {
             doubts.push(Doubt::Outliers { camera: camera(), share, expected: expected.gross });
         }
         let offset_px = self.offset.map(|sum| sum.mean());
-        // Errors that persist make the mean less sure than its frames are many.
-        let inflation = self.persistence().map_or(1.0, |r| ((1.0 + r) / (1.0 - r).max(0.05)).sqrt());
-        let error = self.offset[0].error().hypot(self.offset[1].error()) * inflation;
+        // Errors that persist make a mean less sure than its frames are many: squares of errors that correlate by r do so by r².
+        let persistence = self.persistence().unwrap_or(0.0);
+        let inflation = |r: f64| ((1.0 + r) / (1.0 - r).max(0.05)).sqrt();
+        let error = self.offset[0].error().hypot(self.offset[1].error()) * inflation(persistence);
         let length = offset_px[0].hypot(offset_px[1]);
         if length > OFFSET * sd_px && length > SURE * error {
             let frames = self.offset[0].count as u64;
@@ -271,10 +272,13 @@ impl Watched {
         }
         let about_offset = self.scatter.mean() - (length / sd_px).powi(2);
         let scatter = (about_offset / expected.square).max(0.0).sqrt();
-        let beyond = |sum: &Sum, ratio: f64| ratio > SCATTER && sum.mean().sqrt() * (ratio - 1.0) > SURE * sum.error();
         let disagreement = (self.disagreement.mean() / (0.5 * expected.square)).sqrt();
-        let often = self.disagreement.count >= FEWEST_FRAMES;
-        let ratio = match (beyond(&self.scatter, scatter), often && beyond(&self.disagreement, disagreement)) {
+        // Mean squares are held against the errors of mean squares.
+        let error = |sum: &Sum| SURE * sum.error() * inflation(persistence * persistence);
+        let is_wide = scatter > SCATTER && about_offset - expected.square > error(&self.scatter);
+        let between = self.disagreement.mean() - 0.5 * expected.square;
+        let is_apart = disagreement > SCATTER && between > error(&self.disagreement);
+        let ratio = match (is_wide, self.disagreement.count >= FEWEST_FRAMES && is_apart) {
             (false, false) => return doubts,
             (true, false) => scatter,
             (false, true) => disagreement,
@@ -306,11 +310,15 @@ mod tests {
 
     /// Doubts about a camera that sees twelve keypoints in each of `frames` frames.
     fn doubted(errs: Errs, frames: u64) -> Vec<Doubt> {
+        doubted_of(errs, frames, 4)
+    }
+
+    fn doubted_of(errs: Errs, frames: u64, seed: u64) -> Vec<Doubt> {
         let mut predictive = Predictive::new(["C1".to_owned()].into_iter(), Noise::OutlierFloor { outlier: 0.02 });
         let mut errors = [[0.0; 2]; 12];
         for number in 0..frames {
             let mut normal = [Block::ZERO; 3];
-            Stage::new(4, "errors").at_frame(number as u32).whole().fill_normal(Isa::baseline(), &mut normal);
+            Stage::new(seed, "errors").at_frame(number as u32).whole().fill_normal(Isa::baseline(), &mut normal);
             let normal: Vec<f64> = normal.iter().flat_map(|block| block.0).collect();
             let fresh = if number == 0 { 1.0 } else { (1.0 - errs.persistence * errs.persistence).sqrt() };
             let residual = |(k, error): (usize, &mut [f64; 2])| {
@@ -363,6 +371,17 @@ mod tests {
             return;
         };
         assert!((cameras[0].1 - 0.6).abs() < 0.1, "{cameras:?}");
+    }
+
+    /// With 1.4 times the scatter a frame's mean square over twelve keypoints, 24 squares of a normal deviate, is 2 · 1.96 ± 2 · 1.96 √(2/24) = 3.92 ± 1.13, and the mean over 30 frames is known to ± 0.21: the 1.92 that are too many are nine of that.
+    #[test]
+    fn a_second_of_errors_that_are_too_wide_is_enough() {
+        for seed in 0..20 {
+            let doubts = doubted_of(Errs { size: 1.4, outlier: 1000, ..RIGHT }, 30, seed);
+            assert_eq!(kinds(&doubts), ["scatter"], "{seed}: {doubts:?}");
+            let right = doubted_of(Errs { outlier: 1000, ..RIGHT }, 30, seed);
+            assert_eq!(kinds(&right), [""; 0], "{seed}");
+        }
     }
 
     #[test]
