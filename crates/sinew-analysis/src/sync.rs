@@ -20,6 +20,7 @@ use sinew::observe::cameras::offsets::{self, Sighted};
 use sinew::observe::clocks::clock_search::whole_lags;
 use sinew::observe::clocks::lag_estimate::{CameraClock, CameraLag, LagSearch, camera_clocks};
 use sinew::setup::SetupError;
+use sinew::setup::clocks::are_too_few;
 use std::ops::Range;
 use std::path::Path;
 
@@ -49,12 +50,16 @@ pub struct FoundClock {
 }
 
 /// What is known of all clocks.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct FoundClocks {
     /// Every camera.
     pub cameras: Vec<FoundClock>,
     /// Frames in which the person was followed.
     pub frames: usize,
+    /// The frames that all cameras have, where they have not the same ones.
+    pub common: Option<Range<u64>>,
+    /// Whether that is too short to tell a lag from what a camera is off by.
+    pub is_short: bool,
 }
 
 impl FoundClocks {
@@ -97,6 +102,7 @@ pub fn synchronise<E: From<Error>>(
     if cameras.len() < 2 {
         return Err(E::from(SyncError::OneCamera.into()));
     }
+    let common = Recording::open(calibration, keypoints, options).is_err().then(|| recording.frames());
     let declared: Vec<ClockLag> = cameras.iter().map(|camera| lag_of(&options.lag, &camera.name)).collect();
     let mut first = vec![];
     for number in windows(&recording.frames(), 1, SEARCHED).remove(0) {
@@ -130,7 +136,14 @@ pub fn synchronise<E: From<Error>>(
                 let most = request.most as f64 + 0.5;
                 let cameras =
                     found.map(|(((camera, late), declared), clock)| clock_of(camera, *late, (*declared, most), clock));
-                let found = FoundClocks { cameras: cameras.collect(), frames: runs.iter().map(Vec::len).sum() };
+                let frames = runs.iter().map(Vec::len).sum();
+                let is_short = are_too_few(frames, Some(request.fps));
+                let unknown = |clock: FoundClock| FoundClock { lag: None, drift_ppm: None, ..clock };
+                let cameras = cameras.zip(&declared).map(|(clock, declared)| match is_short {
+                    true => unknown(FoundClock { declared: *declared, ..clock }),
+                    false => clock,
+                });
+                let found = FoundClocks { cameras: cameras.collect(), frames, common: common.clone(), is_short };
                 best = Some((misfit, found));
             }
             break;
@@ -265,8 +278,8 @@ mod tests {
         let clock = |camera: &str, declared| FoundClock { camera: camera.into(), lag: None, drift_ppm: None, declared };
         let drifting = ClockLag { frames: -1.25, ppm: 80.0 };
         let cameras = vec![clock("a", ClockLag::default()), clock("b", ClockLag::whole(2)), clock("c", drifting)];
-        let found = FoundClocks { cameras, frames: 1 };
+        let found = FoundClocks { cameras, frames: 1, ..FoundClocks::default() };
         assert_eq!(found.setting().as_deref(), Some("b=2,c=-1.25+80ppm"));
-        assert_eq!(FoundClocks { cameras: vec![], frames: 1 }.setting(), None);
+        assert_eq!(FoundClocks::default().setting(), None);
     }
 }

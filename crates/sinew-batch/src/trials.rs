@@ -7,6 +7,8 @@ use crate::Error;
 use sinew::config::common::{self, KEYPOINTS, SILHOUETTES};
 use sinew::config::file::{FILE_NAME, read};
 use sinew::config::{Resolved, Sources, resolve};
+use sinew::run::listener::Deaf;
+use sinew::run::settings::with_stated_rate;
 use std::collections::HashSet;
 use std::ffi::OsString;
 use std::fs;
@@ -136,6 +138,7 @@ impl FoundTrial {
             flags.push((KEYPOINTS.key, folder.join(POSE).to_string_lossy().into_owned()));
         }
         let resolved = resolve(&Sources { flags, environment: vec![], file })?;
+        let resolved = with_stated_rate(resolved, &Deaf::default())?;
         let calibration = resolved.of(&common::CALIBRATION);
         match calibration.is_none().then(|| calibration_above(root, &folder)).flatten() {
             Some(found) => Ok(resolved.with_flag(&common::CALIBRATION, &found.to_string_lossy())?),

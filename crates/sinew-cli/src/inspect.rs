@@ -7,10 +7,11 @@ use super::ended::Ended;
 use super::error::Error;
 use super::report::{self, Report};
 use super::table::aligned;
+use super::terminal::Terminal;
 use serde_json::json;
 use sinew::config::common::{ASSUMED_FPS, KEYPOINTS};
 use sinew::input::recording::{Recording, RecordingOptions};
-use sinew::run::settings::settings;
+use sinew::run::settings::{settings, with_stated_rate};
 use sinew_report::inspect::{
     Facts, Subject, file_facts, fit, latent_picture, model_picture, picture_of_actions, subjects,
 };
@@ -94,7 +95,7 @@ fn options(
 ) -> Result<(RecordingOptions, f64), Error> {
     let mut given = [&args.settings.given[..], &general.settings()].concat();
     given.push((KEYPOINTS.key, keypoints.to_string_lossy().into_owned()));
-    let resolved = settings(&given, general.config.as_deref())?;
+    let resolved = with_stated_rate(settings(&given, general.config.as_deref())?, &Terminal { general, report })?;
     report.warnings(&resolved.warnings);
     let config = resolved.track();
     let fps = config.fps();

@@ -6,25 +6,28 @@ use super::error::Error;
 use super::interrupt;
 use super::report::{self, Report};
 use super::table::aligned;
+use super::terminal::Terminal;
 use serde_json::json;
-use sinew::config::common::LAG;
+use sinew::config::common::{LAG, TRIM};
 use sinew::config::{Resolved, TrackConfig};
-use sinew::run::settings::settings;
+use sinew::run::settings::{settings, with_stated_rate};
 use sinew_analysis::sync::{FoundClock, FoundClocks, SyncRequest, synchronise};
+use std::ops::Range;
 use std::sync::atomic::Ordering;
 
 /// Runs the command.
 pub(crate) fn run(args: &SyncArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     let given = [&args.settings.given[..], &general.settings()].concat();
-    let resolved = settings(&given, general.config.as_deref())?;
+    let resolved = with_stated_rate(settings(&given, general.config.as_deref())?, &Terminal { general, report })?;
     report.warnings(&resolved.warnings);
     let config = resolved.track();
     report.warnings(config.assumed_rate().as_slice());
     let found = found(&config, args.most)?;
+    report.warnings(&warnings(&found, "compared"));
     if args.answer.json {
         report::answer_json(&as_json(&found))?;
     } else {
-        report::answer(&shown(&found, config.fps))?;
+        report::answer(&shown(&found, &config))?;
     }
     Ok(if found.cameras.iter().all(|clock| clock.lag.is_some()) { Ended::Done } else { Ended::Doubtful })
 }
@@ -33,14 +36,27 @@ pub(crate) fn run(args: &SyncArgs, general: &General, report: &Report) -> Result
 pub(crate) fn synchronised(resolved: Resolved, report: &Report) -> Result<Resolved, Error> {
     let config = resolved.track();
     let found = found(&config, MOST_APART)?;
-    report.note(&shown(&found, config.fps));
+    report.note(&shown(&found, &config));
+    report.warnings(&warnings(&found, "compared and tracked"));
     let unknown = found.cameras.iter().filter(|clock| clock.lag.is_none());
     let said = |clock: &FoundClock| format!("the lag of `{}` is unknown; it is taken as declared", clock.camera);
     report.warnings(&unknown.map(said).collect::<Vec<_>>());
+    let resolved = if found.common.is_some() { resolved.with_default(&TRIM, true) } else { resolved };
     match found.setting() {
         Some(lag) => Ok(resolved.with_flag(&LAG, &lag)?),
-        None => Ok(resolved),
+        None => Ok(resolved.without(&LAG)),
     }
+}
+
+/// What is odd about the frames that were looked at.
+fn warnings(found: &FoundClocks, done: &str) -> Vec<String> {
+    let common = found.common.as_ref().map(|Range { start, end }| {
+        format!("the cameras have not the same frames; those that all have, {start}..{end}, are {done}")
+    });
+    let short = found
+        .is_short
+        .then(|| format!("{} frames with somebody in them are too few to tell how late cameras are", found.frames));
+    common.into_iter().chain(short).collect()
 }
 
 fn found(config: &TrackConfig, most: u64) -> Result<FoundClocks, Error> {
@@ -61,12 +77,14 @@ fn found(config: &TrackConfig, most: u64) -> Result<FoundClocks, Error> {
 }
 
 /// Every camera, and the setting that puts all in step.
-fn shown(found: &FoundClocks, fps: Option<f64>) -> String {
-    let rows: Vec<(String, String)> =
-        found.cameras.iter().map(|clock| (clock.camera.clone(), words(clock, fps))).collect();
+fn shown(found: &FoundClocks, config: &TrackConfig) -> String {
+    let row = |clock: &FoundClock| (clock.camera.clone(), words(clock, config.fps));
+    let rows: Vec<(String, String)> = found.cameras.iter().map(row).collect();
+    let is_declared = !config.recording.lag.is_empty();
     let mend = match found.setting() {
         Some(setting) => format!("--lag {setting}\n"),
         None if found.cameras.iter().any(|clock| clock.lag.is_none()) => "nothing is known to mend\n".into(),
+        None if is_declared => format!("all cameras are in step (± {:.2} frames) without `--lag`\n", widest_sd(found)),
         None => format!("all cameras are in step (± {:.2} frames)\n", widest_sd(found)),
     };
     aligned(&rows) + &mend

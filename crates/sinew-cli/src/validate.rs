@@ -12,7 +12,7 @@ use sinew::config::{Resolved, TrackConfig};
 use sinew::input::recording::{Recording, RecordingOptions};
 use sinew::input::roll::Roll;
 use sinew::predict::predict;
-use sinew::run::settings::settings;
+use sinew::run::settings::{settings, with_stated_rate};
 use sinew::run::whom::{Whom, looked_for};
 use sinew::run::{calibration, read_from, track_alone};
 use sinew_analysis::validate::{LEVELS, LeftOut, left_out, sentence, to_csv, to_svg, together};
@@ -22,7 +22,8 @@ use std::path::Path;
 
 /// Runs the command.
 pub(crate) fn run(args: &ValidateArgs, general: &General, report: &Report) -> Result<Ended, Error> {
-    let resolved = settings(&[&args.settings.given[..], &general.settings()].concat(), general.config.as_deref())?;
+    let given = [&args.settings.given[..], &general.settings()].concat();
+    let resolved = with_stated_rate(settings(&given, general.config.as_deref())?, &Terminal { general, report })?;
     report.warnings(&resolved.warnings);
     let config = resolved.track();
     let calibration = calibration(&config)?;

@@ -8,8 +8,15 @@ use sinew_observe::Camera;
 use sinew_observe::cameras::offsets::{self, Sighted};
 use sinew_observe::clocks::lag_estimate::{CameraLag, LagSearch, camera_clocks};
 
-/// Frames below which no clock is judged: the errors of the estimate come from blocks of fifteen frames, and fewer than four blocks say little of them.
-const FEWEST: usize = 60;
+/// Frames below which no clock is judged, and seconds: in less, limbs swing too seldom to tell a camera that is late from one that is not quite where its calibration says.
+const FEWEST: f64 = 60.0;
+const LEAST_S: f64 = 1.5;
+
+/// Whether frames are too few to judge clocks by.
+#[must_use]
+pub fn are_too_few(frames: usize, fps: Option<f64>) -> bool {
+    (frames as f64) < fps.map_or(FEWEST, |fps| FEWEST.max(LEAST_S * fps))
+}
 
 /// Frames a second where nobody says.
 pub const USUAL_FPS: f64 = 60.0;
@@ -26,7 +33,7 @@ pub fn lags(
     let after = |run: &&[(u64, Sighted)]| run.first().is_some_and(|(number, _)| *number > end);
     let later = collected.later.iter().map(Vec::as_slice).filter(after);
     let runs: Vec<&[(u64, Sighted)]> = std::iter::once(window).chain(later).collect();
-    if runs.iter().map(|run| run.len()).sum::<usize>() < FEWEST {
+    if are_too_few(runs.iter().map(|run| run.len()).sum(), fps) {
         return vec![];
     }
     let search = LagSearch { fps: fps.unwrap_or(USUAL_FPS), offsets, drifts: false };
@@ -56,4 +63,24 @@ pub fn unsynchronised(cameras: &[Camera], declared: &[(String, ClockLag)], lags:
     mended.retain(|(_, lag)| *lag != ClockLag::default());
     mended.sort_by(|a, b| a.0.cmp(&b.0));
     Some(SetupWarning::Unsynchronised { cameras: off, mended })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is found on top of what was declared is advised with it; where nothing is left to declare, no empty setting is.
+    #[test]
+    fn advice_is_never_an_empty_setting() {
+        let camera = |name| Camera::look_at(name, [640.0, 480.0], 500.0, [3.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap();
+        let cameras = ["C1", "C2"].map(camera);
+        let said = |declared: &str, frames: f64| {
+            let declared = vec![("c2".to_owned(), declared.parse().unwrap())];
+            let lags = [CameraLag::default(), CameraLag { frames, sd: 0.05 }];
+            unsynchronised(&cameras, &declared, &lags).unwrap().to_string()
+        };
+        assert!(said("1", 2.0).ends_with("`--lag c2=3` reads the frames that belong together"), "{}", said("1", 2.0));
+        let none = said("2", -2.0);
+        assert!(none.ends_with("leave `--lag` out, which reads frames that do not belong together"), "{none}");
+    }
 }

@@ -163,8 +163,11 @@ impl fmt::Display for SetupWarning {
                 });
                 let lags = mended.iter().map(|(camera, lag)| format!("{camera}={lag}")).collect::<Vec<_>>().join(",");
                 let late = late.collect::<Vec<_>>().join(", ");
-                let mended = flag_with("lag", lags);
-                write!(f, "{late} against the other cameras; {mended} reads the frames that belong together")
+                write!(f, "{late} against the other cameras; ")?;
+                match mended.is_empty() {
+                    true => write!(f, "leave {} out, which reads frames that do not belong together", flag("lag")),
+                    false => write!(f, "{} reads the frames that belong together", flag_with("lag", lags)),
+                }
             }
             Self::Jump { camera, frame, px } => write!(f, "{camera} frame {frame}: jump of {px:.0} px in all joints"),
             Self::Swapped { camera, first, last, residual_px, swapped_px } => write!(

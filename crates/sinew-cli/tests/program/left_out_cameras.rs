@@ -1,12 +1,44 @@
 //! Cameras that are left out: `sinew predict` and `sinew validate`.
 
-use crate::common::{QUICK, TRACK, trial};
+use crate::common::{QUICK, TRACK, Trial, trial};
+use sinew::setup::Setup;
 use std::fs;
 
 /// Numbers of the columns of a table's rows that begin with some cells.
 fn rows(text: &str, begin: &str) -> Vec<Vec<f64>> {
     let numbers = |line: &str| line.split(',').map(|cell| cell.parse().unwrap_or(f64::NAN)).collect();
     text.lines().filter(|line| line.starts_with(begin)).map(numbers).collect()
+}
+
+/// The same results at twice the rate: keypoints move twice as fast, and a lag of ℓ seconds moves them twice as far, which adds 3 ℓ² f fᵀ to their covariance, f pixels a second at the rate that they were tracked at.
+fn lags_count_by_the_rate(trial: &Trial, at_30: &str) {
+    let summary = trial.path("out/summary.json");
+    trial.edit(&summary, |text| text.replacen("\"fps\": 30.0", "\"fps\": 60.0", 1));
+    let predicted = trial.run(&["predict", "out", "--calibration=Calib.toml", "--camera=C4", "-ofast.csv"]);
+    assert!(predicted.status.success(), "{}", trial.printed(&predicted));
+    trial.edit(&summary, |text| text.replacen("\"fps\": 60.0", "\"fps\": 30.0", 1));
+    let at_60 = fs::read_to_string(trial.path("fast.csv")).unwrap();
+    let text = fs::read_to_string(trial.path("out/setup.toml")).unwrap();
+    let known = Setup::from_toml("setup.toml", &text).unwrap().lasting.unwrap();
+    let scales = known.scale("lags_s").unwrap();
+    // The mean square of Student's t with four degrees of freedom is twice its squared scale.
+    let square = 2.0 * scales.iter().map(|scale| scale * scale).sum::<f64>() / scales.len() as f64;
+    let mut most = 0.0_f64;
+    for name in ["LWrist", "RAnkle", "Nose"] {
+        let of = |text: &str, frame: usize| rows(text, &format!("{frame},C4,{name},")).remove(0);
+        for frame in 1..44 {
+            let (before, after) = (of(at_30, frame - 1), of(at_30, frame + 1));
+            let flow = [3, 4].map(|column: usize| (after[column] - before[column]) * 15.0);
+            let (slow, fast) = (of(at_30, frame), of(&at_60, frame));
+            for (column, [a, b]) in [(5, [0, 0]), (6, [0, 1]), (7, [1, 1])] {
+                let expected = 3.0 * square * flow[a] * flow[b];
+                let found = fast[column] - slow[column];
+                assert!((found - expected).abs() < 1e-3 + 1e-3 * expected.abs(), "{name} {frame}: {found} {expected}");
+                most = most.max(found);
+            }
+        }
+    }
+    assert!(most > 0.1, "{most}");
 }
 
 /// A walker before four cameras of 5 px offsets: three predict what the fourth sees.
@@ -28,6 +60,7 @@ fn a_left_out_camera_is_predicted() {
         let [uu, uv, vv] = [nose[5], nose[6], nose[7]];
         assert!(uu > nose[8] && vv > nose[10] && uu * vv > uv * uv, "{nose:?}");
     }
+    lags_count_by_the_rate(&trial, &text);
     // What it sees lies there, but for its own offset and noise.
     let seen = sinew::formats::openpose::read(
         "C4",

@@ -1,26 +1,79 @@
 //! `sinew sync` and `sinew track --sync`: cameras that are late by whole frames and by parts of one.
 
 use crate::common::{Trial, trial};
+use sinew::formats::openpose::Keypoint;
 use sinew_simulate::detector::{DetectorNoise, detect};
 use sinew_simulate::recording::{Script, SyntheticRecording, body_25b, keypoint_files};
+use std::fmt::Write as _;
 use std::fs;
 
 const SECONDS: f64 = 3.0;
 
 /// A walker whom four cameras see, each as late as its clock says.
 fn late(lags: [f64; 4]) -> Trial {
-    let recording = SyntheticRecording::new(&Script { duration_s: SECONDS, ..Script::default() }, 1).unwrap();
     let trial = Trial { folder: tempfile::tempdir().unwrap() };
+    let (recording, keypoints) = seen(lags);
     fs::write(trial.path("Calib.toml"), recording.calibration_toml()).unwrap();
-    let stage = sinew::core::random::Stage::new(5, "late cameras");
-    let cameras = (&recording.cameras[..], &lags[..]);
-    let seen = detect(&recording.truth, &body_25b(), cameras, &DetectorNoise::DETECTOR_LIKE, stage);
-    for (name, text) in keypoint_files(&recording.cameras, &seen.keypoints) {
+    for (name, text) in keypoint_files(&recording.cameras, &keypoints) {
         let path = trial.path(&format!("pose/{name}"));
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, text).unwrap();
     }
     trial
+}
+
+/// The same walker, with the keypoints by camera, frame and point.
+fn seen(lags: [f64; 4]) -> (SyntheticRecording, Vec<Vec<Vec<Option<Keypoint>>>>) {
+    let recording = SyntheticRecording::new(&Script { duration_s: SECONDS, ..Script::default() }, 1).unwrap();
+    let stage = sinew::core::random::Stage::new(5, "late cameras");
+    let cameras = (&recording.cameras[..], &lags[..]);
+    let seen = detect(&recording.truth, &body_25b(), cameras, &DetectorNoise::DETECTOR_LIKE, stage);
+    (recording, seen.keypoints)
+}
+
+/// Points of MediaPipe by the names of BODY_25B.
+const POINTS: [(&str, usize); 13] = [
+    ("Nose", 0),
+    ("LShoulder", 11),
+    ("RShoulder", 12),
+    ("LElbow", 13),
+    ("RElbow", 14),
+    ("LWrist", 15),
+    ("RWrist", 16),
+    ("LHip", 23),
+    ("RHip", 24),
+    ("LKnee", 25),
+    ("RKnee", 26),
+    ("LAnkle", 27),
+    ("RAnkle", 28),
+];
+
+/// Times that stand in the keypoints say how long a frame is.
+#[test]
+fn a_lag_in_milliseconds_is_of_the_rate_that_the_file_states() {
+    let trial = Trial { folder: tempfile::tempdir().unwrap() };
+    let (recording, keypoints) = seen([0.0, 0.0, 1.6, 0.0]);
+    fs::write(trial.path("Calib.toml"), recording.calibration_toml()).unwrap();
+    let mut text = "sync_index,cam_id,frame_index,frame_time,point_id,img_loc_x,img_loc_y\n".to_owned();
+    let layout = body_25b();
+    for (camera, frames) in keypoints.iter().enumerate() {
+        for (frame, points) in frames.iter().enumerate() {
+            for (name, id) in POINTS {
+                let Some(point) = points[layout.index(name).unwrap()] else { continue };
+                let (camera, time) = (camera + 1, frame as f64 / 60.0);
+                let _ = writeln!(text, "{frame},{camera},{frame},{time},{id},{},{}", point.x, point.y);
+            }
+        }
+    }
+    fs::write(trial.path("xy.csv"), text).unwrap();
+    let output = trial.run(&["sync", "--calibration", "Calib.toml", "--keypoints", "xy.csv"]);
+    let answer = String::from_utf8(output.stdout.clone()).unwrap();
+    let said = trial.printed(&output);
+    assert!(said.contains("60 frames per second, by the times in xy.csv"), "{said}");
+    let line = answer.lines().find(|line| line.starts_with("C3")).unwrap_or_else(|| panic!("{answer} {said}"));
+    let number = |text: &str| text.split_whitespace().next().unwrap().parse::<f64>().unwrap();
+    let (frames, ms) = (number(&line[2..]), number(line.split('(').nth(1).unwrap()));
+    assert!((frames - 1.6).abs() < 0.4 && (ms - frames * 1000.0 / 60.0).abs() < 0.2, "{line}");
 }
 
 const RECORDING: [&str; 4] = ["--calibration", "Calib.toml", "--keypoints", "pose"];
@@ -78,9 +131,44 @@ fn recordings_without_clocks_to_compare_are_refused() {
     assert!(synchronised(&trial, &["--fps", "30"]).1.contains("all cameras are in step"));
     insta::assert_snapshot!("one_camera", synchronised(&trial, &["--cameras", "C1"]).1);
     insta::assert_snapshot!("no_keypoints", trial.printed(&trial.run(&["sync", "--calibration", "Calib.toml"])));
-    // Nobody moves in the first second.
-    let (code, printed) = synchronised(&trial, &["--frames", "0..28"]);
-    assert!(code == Some(4) && printed.contains("unknown: its lag does not show"), "{code:?} {printed}");
+    // Nobody moves in the first second, and in so few frames nobody can know.
+    for (frames, seen) in [("0..28", 28), ("0..50", 50)] {
+        let (code, printed) = synchronised(&trial, &["--frames", frames, "--fps", "30"]);
+        assert!(code == Some(4) && printed.contains("unknown: its lag does not show"), "{code:?} {printed}");
+        let said = format!("{seen} frames with somebody in them are too few to tell how late cameras are");
+        assert!(printed.contains(&said) && !printed.contains("--lag"), "{printed}");
+    }
+}
+
+/// Nothing is to be declared of cameras that are in step, whatever was.
+#[test]
+fn a_lag_that_was_declared_in_vain_is_taken_back() {
+    let trial = late([0.0; 4]);
+    let (_, printed) = synchronised(&trial, &["--lag", "C2=2", "--fps", "30"]);
+    assert!(printed.contains("all cameras are in step") && printed.contains("without `--lag`"), "{printed}");
+    let lag = |more: &[&str]| {
+        let output = trial.track(&[&["--lag", "C2=2", "--print-config", "--json"], more].concat());
+        let settings: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        settings["lag"]["value"].to_string()
+    };
+    assert_eq!([lag(&[]), lag(&["--sync"])], ["[\"C2=2\"]", "null"]);
+}
+
+/// A camera that stopped before the others: what all have is compared and tracked, and that is said.
+#[test]
+fn cameras_that_end_apart_are_compared_in_what_they_share() {
+    let trial = late([0.0, 0.0, 2.0, 0.0]);
+    for frame in 85..90 {
+        fs::remove_file(trial.keypoints(2, frame)).unwrap();
+    }
+    let said = "the cameras have not the same frames; those that all have, 0..85, are compared";
+    let (_, printed) = synchronised(&trial, &["--fps", "30"]);
+    assert!(printed.contains(said) && printed.contains("--lag C3=2"), "{printed}");
+    let tracked = trial.track_printed(&["--sync"]);
+    assert!(tracked.contains(said) && tracked.contains("--lag C3=2"), "{tracked}");
+    // A camera that is late by two frames shows the last two in frames that the others have not.
+    let frames = fs::read_to_string(trial.path("out/frames.csv")).unwrap();
+    assert_eq!(frames.lines().count(), 1 + 85, "{tracked}");
 }
 
 #[test]

@@ -314,6 +314,13 @@ impl Resolved {
         refuse("the command line", problem.into_iter().collect()).map(|()| self)
     }
 
+    /// The same with a setting as though nobody had given it.
+    #[must_use]
+    pub fn without<T: SettingType>(mut self, setting: &Typed<T>) -> Self {
+        self.values.by_key.remove(setting.key);
+        self
+    }
+
     /// The same run into another folder.
     #[must_use]
     pub fn into_folder(&self, folder: &Path) -> Self {
