@@ -51,7 +51,6 @@ pub struct FixedLag {
     dim: usize,
     frames: usize,
     fps: f64,
-    seed: u64,
     isa: Isa,
     /// The latest frame last.
     past: VecDeque<Filtered>,
@@ -60,17 +59,9 @@ pub struct FixedLag {
 impl FixedLag {
     /// Before the first frame of a walk with these standard deviations of a step.
     #[must_use]
-    pub fn new(step_sd: &[f64], fps: f64, seed: u64, isa: Isa) -> Self {
+    pub fn new(step_sd: &[f64], fps: f64, isa: Isa) -> Self {
         let frames = 2 * half_window(fps);
-        Self {
-            smoother: Smoother::random_walk(step_sd),
-            dim: step_sd.len(),
-            frames,
-            fps,
-            seed,
-            isa,
-            past: VecDeque::new(),
-        }
+        Self { smoother: Smoother::random_walk(step_sd), dim: step_sd.len(), frames, fps, isa, past: VecDeque::new() }
     }
 
     /// Tracking begins again: former frames say nothing of the next.
@@ -82,11 +73,11 @@ impl FixedLag {
     ///
     /// # Errors
     /// Moves of another size than those before.
-    pub fn change(&self, now: &Posterior<'_>, moves: &[f64], number: u32) -> Result<Option<AngleChange>, Error> {
+    pub fn change(&self, now: &Posterior<'_>, moves: &[f64], stage: Stage) -> Result<Option<AngleChange>, Error> {
         if self.past.is_empty() {
             return Ok(None);
         }
-        let mut rng = Stage::new(self.seed, "rates of change").at_frame(number).whole();
+        let mut rng = stage.whole();
         let (mut earlier, indices) = equal_draws(now, &mut rng);
         self.shift(&mut earlier, moves, &indices, -1.0);
         let mut moves = moves.to_vec();
@@ -181,11 +172,15 @@ mod tests {
     use super::*;
     use sinew_core::lanes::numbers;
 
+    fn stage(frame: u32) -> Stage {
+        Stage::new(3, "rates of change").at_frame(frame)
+    }
+
     /// A walk of one coordinate with steps of 0.5, observed with errors of 1, of which the filter is exact: variances of a change over two frames, by the joint Gaussian of both ends.
     #[test]
     fn changes_have_the_variance_of_the_joint_posterior() {
         let (q, r) = (0.25, 1.0);
-        let mut lag = FixedLag::new(&[0.5], 30.0, 3, Isa::baseline());
+        let mut lag = FixedLag::new(&[0.5], 30.0, Isa::baseline());
         let (mut mean, mut variance) = (0.0, 4.0);
         let observations = [0.3, -0.4, 1.9];
         let mut filtered = vec![];
@@ -216,7 +211,7 @@ mod tests {
         let [mut sum, mut squares, mut total] = [0.0; 3];
         for number in 0..40 {
             let now = Posterior { dim: 1, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };
-            let AngleChange { earlier, later, seconds } = lag.change(&now, &[], number).unwrap().unwrap();
+            let AngleChange { earlier, later, seconds } = lag.change(&now, &[], stage(number)).unwrap().unwrap();
             let LaterFrame::Present(draws) = later else { panic!() };
             assert!((seconds - 2.0 / 30.0).abs() < 1e-15 && draws.len() == DRAWS);
             for (a, b) in numbers(&earlier).iter().zip(draws.iter().map(|draw| numbers(&states)[*draw])) {
@@ -235,20 +230,20 @@ mod tests {
     /// A constant error moves both ends of a change alike: nothing of it is left in the change.
     #[test]
     fn a_move_of_all_frames_alike_is_no_change() {
-        let mut lag = FixedLag::new(&[0.5], 30.0, 3, Isa::baseline());
+        let mut lag = FixedLag::new(&[0.5], 30.0, Isa::baseline());
         let moves: Vec<f64> = (0..8).map(|draw| 10.0 * f64::from(draw)).collect();
         lag.push(Moments { mean: vec![0.0], covariance: vec![1e-12] }, moves.clone()).unwrap();
         let states = [Block(std::array::from_fn(|lane| 10.0 * lane as f64))];
         let weights = [0.125; 8];
         let now = Posterior { dim: 1, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };
-        let AngleChange { earlier, .. } = lag.change(&now, &moves, 7).unwrap().unwrap();
+        let AngleChange { earlier, .. } = lag.change(&now, &moves, stage(7)).unwrap().unwrap();
         assert!(numbers(&earlier).iter().zip(numbers(&states)).all(|(a, b)| (a - b).abs() < 1e-4));
         // The same numbers again from what was saved.
         let saved = lag.save();
-        let mut again = FixedLag::new(&[0.5], 30.0, 3, Isa::baseline());
+        let mut again = FixedLag::new(&[0.5], 30.0, Isa::baseline());
         assert!(!again.restore(&saved, 7) && again.restore(&saved, 8));
-        assert_eq!(again.change(&now, &moves, 7).unwrap().unwrap().earlier, earlier);
+        assert_eq!(again.change(&now, &moves, stage(7)).unwrap().unwrap().earlier, earlier);
         lag.restart();
-        assert!(lag.change(&now, &moves, 7).unwrap().is_none());
+        assert!(lag.change(&now, &moves, stage(7)).unwrap().is_none());
     }
 }

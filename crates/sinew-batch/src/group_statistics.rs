@@ -1,7 +1,7 @@
 //! Statistics of joint angles over the trials of a group, with intervals.
 //!
 //! For each draw the mean over the trials is taken, and the interval is that over the draws. In trials with one set-up draw i is of the same cameras, sizes and biases, in trials of several subjects of a session of the same cameras: an error that all trials share stays in the interval of their
-//! mean. Draws of trials with set-ups of their own are paired as they come: what such trials share without saying so, as cameras, then averages out too much.
+//! mean. Draws of trials with set-ups of their own are paired as they come, and come from random numbers of their own, but for copies of a trial, which err alike: what such trials share without saying so, as cameras, then averages out too much.
 
 use super::angle_draws::AngleOverTime;
 use super::trial_table::quoted;

@@ -439,6 +439,9 @@ pub(crate) struct TrackArgs {
     /// Seconds of frames for the set-up of a live run that has none [default: 5]
     #[arg(long, help_heading = "Method", value_name = "S", hide_short_help = true, requires = "live")]
     pub(crate) setup_seconds: Option<f64>,
+    /// Skip live frames that come faster than they are tracked, so that answers are of now; else they wait
+    #[arg(long, help_heading = "Method", hide_short_help = true, requires = "live")]
+    pub(crate) skip: bool,
     /// Find how late cameras are first, as `sinew sync` does, and read them in step
     #[arg(long, help_heading = "Input", hide_short_help = true)]
     pub(crate) sync: bool,

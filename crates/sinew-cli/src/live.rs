@@ -25,6 +25,7 @@ pub(crate) fn run(
         place: from.parse()?,
         standard: Streams { frames: Box::new(std::io::stdin()), answers: Box::new(std::io::stdout()) },
         setup_s,
+        skips: args.skip,
         settings_file: general.config.clone(),
     };
     let outcome = track(resolved, request, &Terminal { general, report })?;

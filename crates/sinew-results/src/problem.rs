@@ -6,7 +6,7 @@ use std::path::PathBuf;
 pub const NAME: &str = "checkpoint.bin";
 
 /// Version of its layout.
-pub const FORMAT: u32 = 14;
+pub const FORMAT: u32 = 15;
 
 /// Why a run cannot be resumed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

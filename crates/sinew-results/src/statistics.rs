@@ -209,6 +209,7 @@ impl Statistics {
             method: info.method.clone(),
             kind: info.kind.name(),
             seed: info.seed,
+            identity: ending.identity.clone(),
             isa: info.isa.clone(),
             fps: info.fps,
             frames: match self.first {
@@ -218,6 +219,7 @@ impl Statistics {
             frame_count: self.frames,
             observed_frames: self.observed,
             restarted_frames: self.restarted,
+            skipped_frames: ending.skipped_frames,
             degrees_of_freedom: info.body.dof(),
             world: info.world.clone(),
             angles: self.angles(info, unseen),

@@ -39,6 +39,10 @@ impl Default for Limits {
 pub struct Ending {
     /// Whether all frames were tracked.
     pub complete: bool,
+    /// What was tracked, as random streams know it.
+    pub identity: Option<String>,
+    /// Frames of a live run that were left out, since they came faster than they could be tracked.
+    pub skipped_frames: u64,
     /// Warnings of the input and the tracker, each once.
     pub warnings: Vec<String>,
     /// Hashes of the inputs, by name.
@@ -49,6 +53,10 @@ pub struct Ending {
     pub limits: Limits,
     /// Wall times and dates, for `timings.json`.
     pub timings: serde_json::Map<String, serde_json::Value>,
+}
+
+const fn is_zero(count: &u64) -> bool {
+    *count == 0
 }
 
 /// Content of `summary.json`.
@@ -66,6 +74,9 @@ pub struct Summary {
     pub kind: &'static str,
     /// Seed.
     pub seed: u64,
+    /// What was tracked, as random streams know it; none where nobody was seen.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub identity: Option<String>,
     /// Instruction set.
     pub isa: String,
     /// Frames per second.
@@ -78,6 +89,9 @@ pub struct Summary {
     pub observed_frames: u64,
     /// Frames, after the first one written, in which tracking was restarted.
     pub restarted_frames: u64,
+    /// Frames of a live run that came faster than they could be tracked, and were left out.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub skipped_frames: u64,
     /// Degrees of freedom of the body.
     pub degrees_of_freedom: usize,
     /// How the calibration's world was turned, if it was.

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use sinew_core::random::Stage;
 use sinew_dynamics::lasting_scales::{HeldDraws, LastingData, SweepSchedule, draws};
 use sinew_dynamics::shared_numbers::{disagreement, together};
+use sinew_input::files::{FNV_START, fnv};
 use sinew_observe::cameras::camera_error::NUMBERS;
 
 /// What a recording says of its cameras.
@@ -66,7 +67,10 @@ impl SharedCameras {
             return Ok(None);
         }
         let prior = camera_prior(first.cameras.len());
-        let found = draws(&data, &prior, SweepSchedule::default(), Stage::new(seed, "shared cameras"))?;
+        // Another session draws other numbers with the same seed.
+        let told = |hash, number: &f64| fnv(hash, &number.to_bits().to_le_bytes());
+        let own = data.pull.iter().fold(fnv(FNV_START, &seed.to_le_bytes()), told);
+        let found = draws(&data, &prior, SweepSchedule::default(), Stage::new(own, "shared cameras"))?;
         let held = HeldDraws { places: 0..data.pull.len(), draws: found.errors };
         Ok(Some(Self { cameras: first.cameras.clone(), world_up: first.world_up.clone(), held }))
     }

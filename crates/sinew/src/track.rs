@@ -10,6 +10,7 @@ pub mod pipeline;
 
 mod describe;
 mod fixed_lag;
+mod identity;
 mod images;
 mod lasting;
 mod marginals;

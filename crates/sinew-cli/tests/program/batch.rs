@@ -1,6 +1,7 @@
 //! Many trials: shards, what is missing, trials that fail, packed results, one set-up for a subject.
 
-use crate::common::{Trial, files, trial};
+use crate::common::{Trial, correlation, files, trial};
+use sinew::core::estimators::median;
 use sinew::setup::Setup;
 use sinew::setup::lasting_errors::DrawnNumber;
 use std::collections::BTreeMap;
@@ -140,6 +141,11 @@ fn subjects_of_a_session_share_its_cameras() {
     run("subject", "subject", &["0/1"]);
     assert!(results(&trial.path("session/results")) == results(&trial.path("parts/results")));
     assert!(has_same_cameras(&trial, "session") && !has_same_cameras(&trial, "subject"));
+    // What they do not share is drawn apart: a mean over them is not stated too wide, nor a difference too narrow.
+    let [anna, bob] = ["anna/run", "other/walk"].map(|name| constants(&trial, &format!("subject/results/{name}")));
+    let mut found: Vec<f64> = anna.iter().map(|(name, draws)| correlation(draws, &bob[name])).collect();
+    let (count, typical) = (anna["body.thigh_m"].len() as f64, median(&mut found));
+    assert!(count > 100.0 && typical.abs() < 2.0 / count.sqrt(), "{typical}");
     let refused = batch(&trial, &["plan", "recordings", "-o", "study", "--share", "cameras"]);
     assert!(trial.printed(&refused).contains("session, subject, nothing"), "{}", trial.printed(&refused));
 }

@@ -3,6 +3,7 @@
 pub mod synthetic;
 pub mod walks;
 
+use sinew::core::estimators::mean;
 use sinew::formats::trc;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use std::collections::BTreeMap;
@@ -167,4 +168,13 @@ pub fn limb_error_mm(trial: &Trial, truth: &str, found: &str) -> f64 {
         .collect();
     assert!(!distances.is_empty() && truth.values().next().map(Vec::len) == found.values().next().map(Vec::len));
     1e3 * distances.iter().sum::<f64>() / distances.len() as f64
+}
+
+/// Correlation over draws.
+pub fn correlation(one: &[f64], other: &[f64]) -> f64 {
+    let product = |a: &[f64], b: &[f64]| -> f64 {
+        let (of_a, of_b) = (mean(a), mean(b));
+        a.iter().zip(b).map(|(x, y)| (x - of_a) * (y - of_b)).sum()
+    };
+    product(one, other) / (product(one, one) * product(other, other)).sqrt()
 }

@@ -6,9 +6,11 @@
 #![allow(clippy::single_range_in_vec_init)]
 
 use crate::common::synthetic::{Whole, results};
-use crate::common::{files, trial};
+use crate::common::{correlation, files, trial};
 use sinew::Error;
 use sinew::config::settings::Settings;
+use sinew::config::{Sources, resolve};
+use sinew::core::estimators::{mean, median};
 use sinew::core::lanes::Isa;
 use sinew::input::source::FrameSource;
 use sinew::input::up_axis::z_up_from;
@@ -16,14 +18,17 @@ use sinew::input::upright::Upright;
 use sinew::methods::{BootstrapMethod, HmcMethod, Method};
 use sinew::setup::{self, Setup, SetupRequest};
 use sinew::track::Pipeline;
+use sinew::track::job::{self, Watch};
 use sinew::tracking::posterior::Posterior;
 use sinew::tracking::{bootstrap, hmc_filter};
 use sinew_results::estimate::{FrameEstimate, Quality};
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use sinew_tests::simulated_source::source;
+use std::collections::BTreeMap;
 use std::fs;
 use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 fn recording(duration_s: f64) -> SyntheticRecording {
     SyntheticRecording::new(&Script { duration_s, ..Script::default() }, 7).unwrap()
@@ -105,6 +110,60 @@ fn threads_runs_and_halves_give_the_same_bits() {
             }
         }
     }
+}
+
+/// Walkers that have nothing in common err apart: no draw of one is made of the random numbers of another, in the same frame, with one seed.
+#[test]
+fn two_trials_draw_other_numbers() {
+    let walkers =
+        [7, 8].map(|seed| SyntheticRecording::new(&Script { duration_s: 1.0, ..Script::default() }, seed).unwrap());
+    // What is constant, number by number.
+    let resolved = resolve(&Sources::default()).unwrap();
+    let [one, other] = walkers.each_ref().map(|walker| {
+        let mut watch = Watch { progress: &mut |_, _, _| (), stop: &AtomicBool::new(false) };
+        let made = job::set_up(&mut source(walker), &resolved, &mut watch).unwrap();
+        let numbers = Setup::from_toml("setup.toml", &made.toml).unwrap().lasting.unwrap().number;
+        numbers.into_iter().map(|number| (number.name, number.draws)).collect::<BTreeMap<_, _>>()
+    });
+    let mut found: Vec<f64> = one.iter().map(|(name, draws)| correlation(draws, &other[name])).collect();
+    let size = (one.values().next().unwrap().len() as f64).sqrt();
+    assert!(found.len() > 200 && size > 11.0);
+    let typical = median(&mut found);
+    assert!(typical.abs() < 2.0 / size, "constants: median correlation {typical}");
+    // The pose, each degree of freedom by itself.
+    let settings = Settings { draws: 96, ..quick() };
+    let [one, other] = walkers.each_ref().map(|walker| tracked(walker, &set_up(walker, 0..30), &settings, &[0..6]));
+    let drawn = |estimate: &FrameEstimate, dof: usize| {
+        let states = estimate.draws.states.chunks_exact(estimate.mean_state.len());
+        states.map(|state| state[dof]).collect::<Vec<f64>>()
+    };
+    let frames = one.iter().zip(&other).skip(1);
+    let dofs = 0..one[0].mean_state.len();
+    let found: Vec<f64> = frames
+        .flat_map(|(a, b)| dofs.clone().map(move |dof| correlation(&drawn(a, dof), &drawn(b, dof))))
+        .filter(|found| found.is_finite())
+        .collect();
+    assert!(mean(&found).abs() < 0.05, "poses: mean correlation {}", mean(&found));
+}
+
+/// With one set-up, too, and before anybody is there, when a run cannot know which trial it is of. Frames that come one by one, as in a live run, make no difference.
+#[test]
+fn a_trial_that_begins_with_nobody_is_told_from_others_once_somebody_comes() {
+    let mut recording = recording(0.4);
+    let setup = set_up(&recording, 0..12);
+    recording.keypoints.iter_mut().for_each(|camera| camera[..3].iter_mut().for_each(|frame| frame.fill(None)));
+    let mut other = recording.clone();
+    other.keypoints[0][3].iter_mut().flatten().for_each(|point| point.x += 1e-9);
+    let parts: Vec<Range<u64>> = (0..6).map(|number| number..number + 1).collect();
+    let one = tracked(&recording, &setup, &quick(), &[0..6]);
+    assert!(bits(&one) == bits(&tracked(&recording, &setup, &quick(), &parts)));
+    let other = tracked(&other, &setup, &quick(), &[0..6]);
+    let differs = |frames: Range<usize>| {
+        let between = |(a, b): (&f64, &f64)| (a - b).abs();
+        let pairs = one[frames.clone()].iter().zip(&other[frames]);
+        pairs.flat_map(|(a, b)| a.draws.states.iter().zip(&b.draws.states).map(between)).fold(0.0, f64::max)
+    };
+    assert!(differs(0..3) == 0.0 && differs(3..6) > 1e-3, "{} {}", differs(0..3), differs(3..6));
 }
 
 /// Every file of a run, filtered and smoothed.

@@ -141,12 +141,8 @@ fn a_set_up_of_the_first_frames_is_that_of_the_same_frames_in_files() {
     let from_files = trial.track(&["--setup-frames", "0..24", "--frames", "24..30", "--patience=1", "-ofiles"]);
     assert!(from_files.status.success(), "{}", trial.printed(&from_files));
     let mut running = Running::begun(&trial, &["--setup-seconds", "0.8", "-olive"]);
-    for frame in 0..24 {
-        running.send(&line(&trial, frame));
-        // Frames of a burst would be skipped.
-        std::thread::sleep(Duration::from_millis(10));
-    }
-    (24..30).for_each(|frame| drop(running.exchange(&trial, frame)));
+    let lines: Vec<String> = (0..30).map(|frame| line(&trial, frame)).collect();
+    running.send(&lines.join("\n"));
     let (_, code, printed) = running.ended();
     assert_eq!(code, 0, "{printed}");
     assert!(printed.contains("set-up from frames 0..24"), "{printed}");
@@ -195,10 +191,26 @@ fn a_line_that_is_no_next_frame_is_refused_and_the_run_continues() {
     assert_eq!(printed.matches("warning: refused: ").count(), 4, "{printed}");
 }
 
+/// A recording that is sent at once, as a pipe or a file sends it, is tracked whole.
 #[test]
-fn frames_of_a_burst_are_skipped_and_counted() {
+fn frames_of_a_burst_wait() {
     let trial = set_up(1.0);
-    let mut running = Running::begun(&trial, &["--setup", "setup.toml", "-olive"]);
+    let same = ["--setup", "setup.toml", "--patience=1"];
+    assert!(trial.track(&[&same[..], &["-ofiles"]].concat()).status.success());
+    let mut running = Running::begun(&trial, &[&same[..], &["-olive"]].concat());
+    let lines: Vec<String> = (0..30).map(|frame| line(&trial, frame)).collect();
+    running.send(&lines.join("\n"));
+    let (answers, code, printed) = running.ended();
+    assert_eq!(code, 0, "{printed}");
+    let end = &answers.last().unwrap()["end"];
+    assert_eq!((&end["skipped"], &end["frames"], &end["complete"]), (&0.into(), &30.into(), &true.into()), "{end}");
+    check_same(&trial, "files", "live");
+}
+
+#[test]
+fn frames_of_a_burst_are_skipped_where_that_is_asked_for_and_the_run_is_not_complete() {
+    let trial = set_up(1.0);
+    let mut running = Running::begun(&trial, &["--setup", "setup.toml", "--skip", "-olive"]);
     running.exchange(&trial, 0);
     let burst: Vec<String> = (1..30).map(|frame| line(&trial, frame)).collect();
     running.send(&burst.join("\n"));
@@ -207,7 +219,9 @@ fn frames_of_a_burst_are_skipped_and_counted() {
     let end = &answers.last().unwrap()["end"];
     let skipped = end["skipped"].as_u64().unwrap() as usize;
     let observed = column(&fs::read(trial.path("live/frames.csv")).unwrap(), "observed");
-    assert!(skipped > 5 && observed.len() == 30 && end["complete"] == true, "{end}");
+    assert!(skipped > 5 && observed.len() == 30 && end["complete"] == false, "{end}");
+    let summary: Value = serde_json::from_slice(&fs::read(trial.path("live/summary.json")).unwrap()).unwrap();
+    assert_eq!(summary["complete"], false);
     assert_eq!(observed.iter().filter(|observed| *observed == "0").count(), skipped);
     assert!(printed.contains(&format!("{skipped} frames came faster than they could be tracked")), "{printed}");
 }

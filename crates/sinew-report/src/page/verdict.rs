@@ -47,6 +47,11 @@ fn interrupted(recorded: &Recorded) -> String {
     if recorded.summary["complete"] == true {
         return String::new();
     }
+    if let Some(skipped) = recorded.summary["skipped_frames"].as_u64() {
+        return format!(
+            "<strong class=\"bad\">{skipped} frames came faster than they could be tracked and were left out: there the motion prior alone says where the person is.</strong> "
+        );
+    }
     let until = recorded.numbers.last().map_or(String::new(), |number| format!(" to frame {number}"));
     format!(
         "<strong class=\"bad\">The run was interrupted: this page shows the frames up{}. The same command with {} continues.</strong> ",

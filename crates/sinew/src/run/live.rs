@@ -5,7 +5,7 @@
 //!               └──────────── what is refused ────────────────┘
 //! ```
 //!
-//! Reading and answering are threads of their own: neither a burst of frames nor a slow reader holds up the tracking, or makes memory grow.
+//! Reading and answering are threads of their own: neither a burst of frames nor a slow reader holds up the tracking, or makes memory grow. A burst waits where it comes from, or, in a run that keeps up with a clock, loses all but its newest frames.
 
 mod answer;
 mod answering;
@@ -55,6 +55,8 @@ pub struct LiveRequest {
     pub standard: Streams,
     /// Seconds of frames for the set-up; [`SETUP_S`] if `None`.
     pub setup_s: Option<f64>,
+    /// Whether frames that come faster than they are tracked are skipped, so that answers are of now; else they wait where they come from.
+    pub skips: bool,
     /// File of settings that was named, which the run must not replace.
     pub settings_file: Option<PathBuf>,
 }
@@ -69,7 +71,7 @@ const PATIENCE: usize = 1;
 pub fn track(resolved: &Resolved, request: LiveRequest, listener: &dyn Listener) -> Result<Outcome, Error> {
     let resolved = &resolved.clone().with_default(&hmc::PATIENCE, PATIENCE);
     let config = resolved.track();
-    let LiveRequest { place, standard, setup_s, settings_file } = request;
+    let LiveRequest { place, standard, setup_s, skips, settings_file } = request;
     let calibration = check(resolved, &config)?;
     let read_from = read_from(&config, &calibration, settings_file.as_deref());
     refuse_inputs(&config.out, &read_from)?;
@@ -84,7 +86,7 @@ pub fn track(resolved: &Resolved, request: LiveRequest, listener: &dyn Listener)
     };
     let fps = config.fps();
     let answering = Answering::begin(streams.answers);
-    let queue = Arc::new(Queue::default());
+    let queue = Arc::new(Queue::new(skips));
     queue.state().layout.clone_from(&layout);
     let reading = Reading {
         cameras: cameras.clone(),
@@ -105,6 +107,7 @@ pub fn track(resolved: &Resolved, request: LiveRequest, listener: &dyn Listener)
         let run = || track_live(&mut source, setup_frames, resolved, claim, watch, &mut answers);
         with_threads(wanted(&config), run)
     });
+    queue.close();
     if let Ok(Some(Outcome { summary, .. })) = &ended {
         answering.post(answer::end(summary, queue.state().skipped, answering.dropped()));
     }

@@ -37,7 +37,7 @@ impl Describer {
         residual_px: Vec<Option<f64>>,
         posterior: &Posterior<'_>,
     ) -> Result<(FrameEstimate, Begun), Error> {
-        let moved = self.lasting.as_mut().map(|lasting| lasting.step(&noted)).transpose()?;
+        let moved = self.lasting.as_mut().map(|lasting| lasting.step(&noted, self.settings.seed)).transpose()?;
         let moves = self.lasting.as_ref().map_or_else(Vec::new, Lasting::moves);
         if noted.info.restarted {
             self.lag.restart();
@@ -64,7 +64,8 @@ impl Describer {
         posterior: &Posterior<'_>,
     ) -> Result<(), Error> {
         let number = estimate.number as u32;
-        let change = self.lag.change(&begun.draws(posterior), &estimate.moves, number).map_err(TrackError::Motion)?;
+        let stage = Stage::new(self.settings.seed, "rates of change").at_frame(number);
+        let change = self.lag.change(&begun.draws(posterior), &estimate.moves, stage).map_err(TrackError::Motion)?;
         if let Some(change) = &change {
             self.angles.add_rates(&mut estimate.angles, change, posterior.dim);
         }

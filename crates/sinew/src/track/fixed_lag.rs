@@ -35,7 +35,8 @@ pub struct LagWindow {
     half: u64,
     shape: RecordShape,
     fps: f64,
-    seed: u64,
+    /// Seed of random streams.
+    pub(super) seed: u64,
     isa: Isa,
     smoother: Smoother,
     describer: TrajectoryDescriber,

@@ -115,7 +115,7 @@ pub fn track<S: FrameSource>(
     }
     let done = checkpoint.done - before;
     let complete = written == total && tracked.is_ok();
-    let finish = Finish { complete, warnings: checkpoint.warnings, before, done };
+    let finish = Finish { complete, skipped: 0, warnings: checkpoint.warnings, before, done };
     let summary = finish.summary(results, &pipeline, &of_settings, &source, &config, &clock)?;
     tracked?;
     let colours = compared_colours(&setup, &source, &settings);

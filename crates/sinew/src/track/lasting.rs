@@ -50,7 +50,6 @@ pub(super) struct Lasting {
     /// Variances of the state before the first frame, and of a step.
     initial: Vec<f64>,
     step: Vec<f64>,
-    seed: u64,
     filter: LinearisedFilter,
     moves: LastingMoves,
     persistence: Option<(Persistence, PersistentErrors)>,
@@ -67,7 +66,7 @@ impl Lasting {
         cameras: &[Camera],
         scene: &Scene,
         motion: &MotionPrior,
-        (seed, seconds): (u64, f64),
+        seconds: f64,
     ) -> Option<Self> {
         let known = setup.lasting.as_ref()?;
         if cameras.iter().any(|camera| !known.cameras.contains(&camera.name)) {
@@ -97,15 +96,14 @@ impl Lasting {
             step: variances(motion.sd()),
             initial,
             draws,
-            seed,
             persistence,
             velocities: RunningVelocities::new(errors.points, seconds),
             started: false,
         })
     }
 
-    /// Takes in a frame that was tracked, and returns by how much each of its draws is to be moved.
-    pub(super) fn step(&mut self, noted: &Noted) -> Result<Moved, Error> {
+    /// Takes in a frame that was tracked, and returns by how much each of its draws is to be moved; `seed` is that of random streams.
+    pub(super) fn step(&mut self, noted: &Noted, seed: u64) -> Result<Moved, Error> {
         let Noted { number, shown, info: StepInfo { mean, restarted, .. }, .. } = noted;
         if !self.started || *restarted {
             self.filter = LinearisedFilter::new(&self.initial);
@@ -132,7 +130,8 @@ impl Lasting {
         }
         let mut moved = self.moved_from(mean, Rows { values: self.moves.moves().to_vec(), draws: self.draws }, shifts);
         if let Some((_, persistent)) = &self.persistence {
-            self.widen(&mut moved.states, &persistent.missing(), *number as u32);
+            let stage = Stage::new(seed, "persistent errors").at_frame(*number as u32);
+            self.widen(&mut moved.states, &persistent.missing(), stage);
         }
         Ok(moved)
     }
@@ -150,11 +149,10 @@ impl Lasting {
     }
 
     /// Adds to the states normal draws with mean 0 over the draws and covariance `missing` (d × d, row after row): what persistent errors add to the filter's covariance.
-    fn widen(&self, states: &mut Rows, missing: &[f64], number: u32) {
+    fn widen(&self, states: &mut Rows, missing: &[f64], stage: Stage) {
         let dof = self.initial.len();
         let mut normal = vec![Block::ZERO; states.values.len()];
-        let mut rng = Stage::new(self.seed, "persistent errors").at_frame(number).whole();
-        rng.fill_normal(self.drawn.isa, &mut normal);
+        stage.whole().fill_normal(self.drawn.isa, &mut normal);
         // Without their mean, which would move the estimate.
         for row in normal.chunks_exact_mut(self.drawn.blocks) {
             let row = &mut numbers_mut(row)[..self.draws];

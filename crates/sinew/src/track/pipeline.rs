@@ -14,6 +14,7 @@
 
 use super::describe::Describer;
 use super::error::TrackError;
+use super::identity::{of_setup, seed_of, shown};
 use super::images::{ImageState, Images};
 use super::lasting::Lasting;
 use super::marginals::Marginals;
@@ -50,7 +51,10 @@ pub struct Pipeline {
     tracker: Restarting,
     scene: Scene,
     images: Option<Images>,
+    /// Its settings have the seed of the streams, which is derived from that of the run.
     describer: Describer,
+    seed: u64,
+    identity: Option<u64>,
     pub(super) transition: MotionPrior,
     /// What the method says of how it was made.
     remarks: Vec<String>,
@@ -69,6 +73,8 @@ pub struct State {
     angles: Vec<f64>,
     /// Moments of the last frames, from which angles change.
     past: Vec<f64>,
+    /// What is tracked.
+    identity: Option<u64>,
 }
 
 impl Pipeline {
@@ -98,6 +104,8 @@ impl Pipeline {
         settings: Settings,
         image_cameras: Option<&[Camera]>,
     ) -> Result<Self, Error> {
+        let seed = settings.seed;
+        let settings = Settings { seed: seed_of(seed, of_setup(setup)), ..settings };
         let scene = Scene::new(setup, tree, cameras, layout, &settings)?;
         let with_flesh = |sized: &[Camera]| {
             let ratio = |(sized, camera): (&Camera, &Camera)| sized.image_size_px[0] / camera.image_size_px[0];
@@ -135,17 +143,17 @@ impl Pipeline {
             method.tracker(&Making { setup, transition, parts, motion_model, latent, keypoints, dt, isa }, start)
         };
         let tracker = Restarting::new(Box::new(make), scene.start().to_vec())?;
-        let lasting = Lasting::new(setup, tree, cameras, &scene, &transition, (settings.seed, dt));
+        let lasting = Lasting::new(setup, tree, cameras, &scene, &transition, dt);
         let detected = lasting.is_some().then(|| scene.model().plan.clone());
         let size = UnknownSize::of(setup, cameras, settings.seed);
         let marginals = Marginals::new(tree, detected, settings.isa, size);
         let trajectories = (setup.step_size.unwrap_or(f64::NAN), setup.leapfrog_steps.unwrap_or(0));
         let angles = JointAngles::new(tree, &names, images.is_some(), settings.angles);
-        let lag = FixedLag::new(transition.sd(), settings.fps, settings.seed, settings.isa);
+        let lag = FixedLag::new(transition.sd(), settings.fps, settings.isa);
         let zero = settings.standing.as_ref().map(|standing| standing.zero(&angles, setup.lasting.as_ref()));
         let angles = AngleMarginals::new(angles, zero);
         let describer = Describer { settings, trajectories, lasting, marginals, angles, lag };
-        Ok(Self { tracker, scene, images, describer, transition, remarks, acting_parts })
+        Ok(Self { tracker, scene, images, describer, seed, identity: None, transition, remarks, acting_parts })
     }
 
     /// Statistics that each frame brings.
@@ -245,7 +253,8 @@ impl Pipeline {
         }
         let Describer { angles, lag, .. } = &self.describer;
         let (angles, past) = (angles.before().to_vec(), lag.save());
-        State { tracker, scene: scene.save(), images: images.as_ref().map(Images::save), angles, past }
+        let (images, identity) = (images.as_ref().map(Images::save), self.identity);
+        State { tracker, scene: scene.save(), images, angles, past, identity }
     }
 
     /// Resumes where a pipeline of the same set-up and settings stood, to the same bits.
@@ -253,6 +262,9 @@ impl Pipeline {
     /// # Errors
     /// A state of another pipeline.
     pub fn restore(&mut self, saved: &State) -> Result<(), Problem> {
+        if let Some(identity) = saved.identity {
+            self.identify(identity);
+        }
         self.scene.restore(&saved.scene)?;
         if let (Some(images), Some(saved)) = (&mut self.images, &saved.images) {
             images.restore(saved)?;
@@ -300,11 +312,44 @@ impl Pipeline {
     ) -> Result<(), Error> {
         let mut refused = None;
         let numbers = numbers.into_iter().map_while(|number| frame_index(number).map_err(|e| refused = Some(e)).ok());
+        let (mut numbers, mut is_first) = (numbers.peekable(), true);
+        while let (None, Some(&number)) = (self.identity, numbers.peek()) {
+            if !std::mem::take(&mut is_first) && keep.flow().is_break() {
+                return Ok(());
+            }
+            match shown(&source.frame(u64::from(number))?) {
+                Some(identity) => self.identify(identity),
+                None => self.pass(source, numbers.next(), &mut keep)?,
+            }
+        }
+        self.pass(source, numbers, &mut keep)?;
+        refused.map_or(Ok(()), Err)
+    }
+
+    /// Frames whose streams have one seed.
+    fn pass(
+        &mut self,
+        source: &mut dyn FrameSource,
+        numbers: impl IntoIterator<Item = u32>,
+        keep: &mut dyn KeepFrames,
+    ) -> Result<(), Error> {
         let Self { tracker, scene, images, describer, .. } = self;
         let seed = describer.settings.seed;
-        let mut passage = Passage { scene, images, describer, source, keep: &mut keep };
-        run(tracker, numbers, |frame| Stage::new(seed, "track").at_frame(frame), &mut passage)?;
-        refused.map_or(Ok(()), Err)
+        keep.seed(seed);
+        let mut passage = Passage { scene, images, describer, source, keep };
+        run(tracker, numbers, |frame| Stage::new(seed, "track").at_frame(frame), &mut passage)
+    }
+
+    /// From here on random streams are those of what is tracked.
+    fn identify(&mut self, identity: u64) {
+        self.identity = Some(identity);
+        self.describer.settings.seed = seed_of(self.seed, identity);
+    }
+
+    /// What is tracked, as random streams know it: a hash of what the first frame that shows the person shows; none before it.
+    #[must_use]
+    pub const fn identity(&self) -> Option<u64> {
+        self.identity
     }
 }
 
@@ -319,6 +364,11 @@ pub trait KeepFrames {
     /// Hears where points and angles are in a frame, before its draws and the rates of its angles are known and it is to be kept.
     fn known(&mut self, estimate: &FrameEstimate) {
         let _ = estimate;
+    }
+
+    /// Hears, before frames are tracked, the seed of their streams, which is derived from that of the run.
+    fn seed(&mut self, seed: u64) {
+        let _ = seed;
     }
 
     /// Whether to stop; asked before every frame but the first, while the last one is still to be kept.

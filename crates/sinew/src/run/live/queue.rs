@@ -1,4 +1,4 @@
-//! Frames that wait to be tracked: few, and when there are more, the newest ones.
+//! Frames that wait to be tracked: few. When there are more, who sends them waits; in a run that keeps up with a clock the newest ones stay.
 
 use super::refusals::Refusals;
 use crate::formats::Layout;
@@ -18,6 +18,8 @@ const PATIENCE: Duration = Duration::from_millis(50);
 pub(super) struct Queue {
     state: Mutex<State>,
     changed: Condvar,
+    /// Whether frames that come faster than they are tracked are skipped.
+    skips: bool,
 }
 
 /// What is shared.
@@ -36,26 +38,37 @@ pub(super) struct State {
 }
 
 impl Queue {
+    /// Without frames.
+    pub(super) fn new(skips: bool) -> Self {
+        Self { skips, ..Self::default() }
+    }
+
     /// What is shared, for this thread alone.
     pub(super) fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Adds a frame, in place of the oldest where too many wait.
-    pub(super) fn push(&self, views: Views) {
+    /// Adds a frame once there is room, or in place of the oldest; false where nobody takes frames any more.
+    pub(super) fn push(&self, views: Views) -> bool {
         let mut state = self.state();
-        if state.waiting.len() == MOST {
+        if self.skips && state.waiting.len() == MOST {
             state.waiting.pop_front();
             state.skipped += 1;
         }
+        let is_full = |state: &mut State| state.waiting.len() == MOST && !state.is_closed;
+        state = self.changed.wait_while(state, is_full).unwrap_or_else(PoisonError::into_inner);
+        if state.is_closed {
+            return false;
+        }
         state.waiting.push_back(views);
-        self.changed.notify_one();
+        self.changed.notify_all();
+        true
     }
 
-    /// No more frames come.
+    /// No more frames come, or nobody takes them any more.
     pub(super) fn close(&self) {
         self.state().is_closed = true;
-        self.changed.notify_one();
+        self.changed.notify_all();
     }
 
     /// The oldest frame that waits, once there is one; none where no more come or `stopped`. `meanwhile` is called now and then.
@@ -67,6 +80,7 @@ impl Queue {
                 return None;
             }
             if let Some(views) = state.waiting.pop_front() {
+                self.changed.notify_all();
                 return Some(views);
             }
             if state.is_closed {
@@ -84,12 +98,24 @@ mod tests {
 
     #[test]
     fn the_newest_frames_wait_and_the_others_are_counted() {
-        let queue = Queue::default();
-        (0..10).for_each(|number| queue.push(Views { number, seen: vec![] }));
+        let queue = Queue::new(true);
+        assert!((0..10).all(|number| queue.push(Views { number, seen: vec![] })));
         queue.close();
         let rest: Vec<u64> = std::iter::from_fn(|| queue.next(|| false, |_| {})).map(|views| views.number).collect();
         assert_eq!((rest, queue.state().skipped), (vec![6, 7, 8, 9], 6));
-        queue.push(Views::default());
-        assert!(queue.next(|| true, |_| {}).is_none());
+        assert!(!queue.push(Views::default()) && queue.next(|| true, |_| {}).is_none());
+    }
+
+    #[test]
+    fn who_sends_too_fast_waits_until_there_is_room_or_nobody_left() {
+        let queue = Queue::new(false);
+        let taken = std::thread::scope(|scope| {
+            let sender = scope.spawn(|| (0..).take_while(|&number| queue.push(Views { number, seen: vec![] })).count());
+            let taken: Vec<u64> = (0..100).filter_map(|_| queue.next(|| false, |_| {})).map(|v| v.number).collect();
+            queue.close();
+            assert!((100..=100 + MOST).contains(&sender.join().unwrap()));
+            taken
+        });
+        assert!(taken.into_iter().eq(0..100) && queue.state().skipped == 0);
     }
 }

@@ -65,7 +65,9 @@ impl Reading {
                 Ok(Line::Whole) => match self.frame(number, &line, last) {
                     Ok(views) => {
                         last = Some(views.number);
-                        self.queue.push(views);
+                        if !self.queue.push(views) {
+                            return;
+                        }
                     }
                     Err((frame, kind, text)) => self.refuse(number, frame, kind, &text),
                 },

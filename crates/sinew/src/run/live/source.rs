@@ -98,6 +98,10 @@ fn waited(queue: &Queue, stop: &AtomicBool, listener: &dyn Listener) -> Option<V
 }
 
 impl Arrivals for Source<'_> {
+    fn skipped(&self) -> u64 {
+        self.queue.state().skipped - self.skipped_before.unwrap_or(0)
+    }
+
     fn arrive(&mut self) -> Option<u64> {
         if self.skipped_before.is_none() {
             self.recording.forget();
@@ -138,11 +142,11 @@ impl FrameSource for Source<'_> {
 
     fn warnings(&self) -> Vec<String> {
         let mut warnings = self.recording.warnings();
+        let skipped = self.skipped();
         let state = self.queue.state();
-        let skipped = state.skipped - self.skipped_before.unwrap_or(0);
         if skipped > 0 {
             warnings.push(format!(
-                "{skipped} frames came faster than they could be tracked; they were skipped, and the motion prior bridges them"
+                "{skipped} frames came faster than they could be tracked; they were skipped, the motion prior bridges them, and the results are not complete"
             ));
         }
         let lost = self.missing.saturating_sub(skipped);

@@ -10,6 +10,7 @@ use crate::config::Resolved;
 use crate::config::TrackConfig;
 use crate::config::common::BODY;
 use crate::config::settings::Settings;
+use crate::input::frame::Frame;
 use crate::input::source::{FrameSource, InputHashes};
 use crate::input::up_axis::axis_before_turning;
 use crate::input::upright::Upright;
@@ -17,6 +18,7 @@ use crate::setup::shared_cameras::CameraInformation;
 use crate::setup::{self, KnownSetup, Setup, SetupRequest, SetupWarning};
 use crate::track::checkpoint::Checkpoint;
 use crate::track::error::TrackError;
+use crate::track::identity::{seed_of, shown};
 use crate::track::step_size::tune;
 use crate::{Error, bodies, files};
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
@@ -61,6 +63,8 @@ pub(super) fn begun<'a, S: FrameSource>(
             (setup, toml, None)
         }
         None => {
+            let seed = seed_of_frames(&mut source, setup_frames.clone(), settings.seed)?;
+            let settings = &Settings { seed, ..settings.clone() };
             let (setup, said) = set_up(&mut source, setup_frames, config, settings, watch, &mut warnings)?;
             let setup = Setup { world_up: source.up().into(), world_up_sd_deg: up_sd_deg, ..setup };
             let toml = setup.to_toml()?;
@@ -149,6 +153,17 @@ pub fn read_setup(path: &Path) -> Result<KnownSetup, Error> {
         true => Ok(KnownSetup::new(setup)?),
         false => Err(Problems { file: path.display().to_string(), problems }.into()),
     }
+}
+
+/// The seed of the streams of a set-up: that of what the first of its frames that shows somebody shows.
+fn seed_of_frames<S: FrameSource>(source: &mut S, numbers: Range<u64>, seed: u64) -> Result<u64, Error> {
+    for number in numbers {
+        let people = source.people(number)?;
+        if let Some(identity) = shown(&Frame { people, ..Frame::default() }) {
+            return Ok(seed_of(seed, identity));
+        }
+    }
+    Ok(seed)
 }
 
 fn set_up<S: FrameSource>(

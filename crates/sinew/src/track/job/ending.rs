@@ -72,6 +72,8 @@ impl Clock {
 pub(super) struct Finish {
     /// Whether all is there.
     pub(super) complete: bool,
+    /// Frames that were left out.
+    pub(super) skipped: u64,
     /// Warnings that neither source nor tracker repeats.
     pub(super) warnings: Vec<String>,
     /// Frames tracked before this run was resumed.
@@ -94,6 +96,8 @@ impl Finish {
         let warnings = source.warnings().into_iter().chain(self.warnings).chain(pipeline.warnings());
         Ok(results.finish(&Ending {
             complete: self.complete,
+            skipped_frames: self.skipped,
+            identity: pipeline.identity().map(|identity| format!("{identity:016x}")),
             warnings: distinct(warnings),
             input_hashes: hashes(source, of_settings),
             coverage: pipeline.coverage().to_vec(),

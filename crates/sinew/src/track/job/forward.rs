@@ -59,6 +59,10 @@ impl KeepFrames for Writing<'_, '_> {
         Ok(())
     }
 
+    fn seed(&mut self, seed: u64) {
+        self.keeper.seed(seed);
+    }
+
     fn flow(&mut self) -> ControlFlow<()> {
         let Self { keeper, watch, total, .. } = self;
         // The last frame is tracked, and still to be kept.

@@ -68,6 +68,13 @@ impl Keeper {
         self.window.is_some()
     }
 
+    /// The seed of random streams from the next frame on.
+    pub(super) fn seed(&mut self, seed: u64) {
+        if let Some(window) = &mut self.window {
+            window.seed = seed;
+        }
+    }
+
     /// Takes in a frame that was tracked, and writes what is known by now; `known` hears of it first.
     pub(super) fn take(&mut self, estimate: FrameEstimate, mut known: impl FnMut(&FrameEstimate)) -> Result<(), Error> {
         self.checkpoint.done += 1;

@@ -34,6 +34,9 @@ pub trait Arrivals: FrameSource {
 
     /// Hears how many frames that never came were tracked before the one that arrived last.
     fn bridged(&mut self, frames: u64);
+
+    /// Frames since the first that were skipped because others came after them.
+    fn skipped(&self) -> u64;
 }
 
 /// Takes what is known of each frame as soon as it is.
@@ -88,7 +91,9 @@ pub fn track_live<S: Arrivals>(
     clock.tracking_is_done();
     let Keeper { results, checkpoint, .. } = keeper;
     let done = checkpoint.done;
-    let finish = Finish { complete: tracked.is_ok(), warnings: checkpoint.warnings, before: 0, done };
+    let skipped = source.source_mut().skipped();
+    let complete = tracked.is_ok() && skipped == 0;
+    let finish = Finish { complete, skipped, warnings: checkpoint.warnings, before: 0, done };
     let summary = finish.summary(results, &pipeline, &of_settings, &source, &config, &clock)?;
     tracked?;
     let ms_per_frame = clock.ms_per_frame(done);
@@ -104,6 +109,10 @@ struct Answering<'a, 'w> {
 }
 
 impl KeepFrames for Answering<'_, '_> {
+    fn seed(&mut self, seed: u64) {
+        self.keeper.seed(seed);
+    }
+
     fn known(&mut self, estimate: &FrameEstimate) {
         if !self.keeper.is_late() {
             self.answers.frame(estimate);
