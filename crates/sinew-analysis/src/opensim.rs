@@ -5,12 +5,12 @@
 //! | `markers.trc` | the points of the result |
 //! | `marker_set.xml` | where a model has them (`marker_set`) |
 //! | `scale.xml` | scales the model by distances between them (`scale_setup`) |
-//! | `ik.xml` | fits the scaled model to them, each with a weight from its posterior (`ik_setup`) |
+//! | `ik.xml` | fits the scaled model to them, each with a weight from its posterior, and holds what they do not show (`ik_setup`) |
 //! | `weights.csv` | the same weights frame by frame (`weights`) |
 //! | `ik_over_time.py` | inverse kinematics with weights that change, which `ik.xml` cannot say |
 //! | `README.txt` | the commands |
 //!
-//! The model is the user's. Without one, `model.osim` stands for it and every body is taken to be there.
+//! The model is the user's. Without one, `model.osim` stands for it, every body is taken to be there, and no coordinate is.
 
 pub(crate) mod error;
 mod ik_setup;
@@ -24,8 +24,9 @@ use crate::Error;
 use marker_set::ModelMarker;
 use sinew::files::read_text;
 use sinew::setup::Setup;
+use sinew_formats::osim_model::{self, OsimModel};
 use sinew_formats::source_text::{MAX_CONFIG_BYTES, MAX_TEXT_BYTES};
-use sinew_formats::{osim_model, trc};
+use sinew_formats::trc;
 use sinew_results::people::refuse_several;
 use sinew_results::{ReadError, without_summary};
 use std::path::Path;
@@ -66,10 +67,12 @@ pub fn opensim_files(folder: &Path, model: Option<&Path>) -> Result<OpensimFiles
     let path = folder.join("markers.trc");
     let text = read_text(&path, MAX_TEXT_BYTES)?;
     let markers = trc::read(&path.display().to_string(), &text)?;
-    let bodies = model.map(bodies).transpose()?;
+    let parts = model.map(parts).transpose()?;
+    let bodies = parts.as_ref().map(|parts| &parts.bodies[..]);
+    let coordinates = parts.as_ref().map(|parts| &parts.coordinates[..]);
     let names = &markers.header.markers;
     let has = |marker: &ModelMarker| {
-        let in_model = bodies.as_ref().is_none_or(|bodies| bodies.contains(&marker.body));
+        let in_model = bodies.is_none_or(|bodies| bodies.contains(&marker.body));
         in_model && names.contains(&marker.name)
     };
     let mut placed = marker_set::markers(&setup(folder)?.tree());
@@ -86,12 +89,12 @@ pub fn opensim_files(folder: &Path, model: Option<&Path>) -> Result<OpensimFiles
         Some(path) => whole(path).display().to_string(),
         None => STAND_IN.to_owned(),
     };
-    let readme = README.replace("{{model}}", &model_line(model));
+    let readme = README.replace("{{model}}", &model_line(model)).replace("{{held}}", held_line(model));
     let texts = [
         text,
         marker_set::to_xml(&placed),
-        scale_setup::to_xml(&model_file, &placed, bodies.as_deref(), range),
-        ik_setup::to_xml(&weights, range),
+        scale_setup::to_xml(&model_file, &placed, bodies, range),
+        ik_setup::to_xml(&weights, coordinates, range),
         weights.to_csv()?,
         IK_OVER_TIME.to_owned(),
         readme,
@@ -123,6 +126,13 @@ fn model_line(model: Option<&Path>) -> String {
     }
 }
 
-fn bodies(path: &Path) -> Result<Vec<String>, Error> {
-    Ok(osim_model::read(&path.display().to_string(), &read_text(path, MAX_TEXT_BYTES)?)?.bodies)
+const fn held_line(model: Option<&Path>) -> &'static str {
+    match model {
+        Some(_) => "ik.xml does so if the model has it.",
+        None => "In ik.xml set <apply> to\ntrue for the one that your model has.",
+    }
+}
+
+fn parts(path: &Path) -> Result<OsimModel, Error> {
+    Ok(osim_model::read(&path.display().to_string(), &read_text(path, MAX_TEXT_BYTES)?)?)
 }

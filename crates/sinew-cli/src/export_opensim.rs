@@ -32,7 +32,7 @@ pub(crate) fn run(args: &OpensimArgs, general: &General, report: &Report) -> Res
         write_whole(&out.join(name), text.as_bytes())?;
     }
     if args.model.is_none() {
-        report.note("no model was given: put one into the folder under the name model.osim");
+        report.note("no model was given: put one into the folder under the name model.osim, and in ik.xml let the lumbar coordinate that it has apply");
     }
     if args.answer.json {
         report::answer_json(&as_json(&found, &out))?;

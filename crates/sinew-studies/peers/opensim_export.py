@@ -10,7 +10,8 @@ SINEW is the program, RESULT a result folder, OUT a folder to work in, THEIRS Po
 - with Pose2Sim's markers, places and weights.
 
 Printed are distances between a model's markers and the file's, mm: root mean square over markers and frames, the largest
-of all, and the largest of a marker's root mean squares, with its name. Inverse kinematics of the tools starts from the
+of all, and the largest of a marker's root mean squares, with its name. Where RESULT has the truth (`truth.trc`, of the
+demo), coordinates are held against the angles that it has by definition: mean and root mean square difference. Inverse kinematics of the tools starts from the
 model's default pose turned to the person, as `ik_over_time.py` and `opensim_ik.py` do. It fails where a tool does, where
 a marker of the file is not fitted, or where a name of the export is none of the model.
 """
@@ -24,6 +25,7 @@ from pathlib import Path
 
 import numpy as np
 import opensim
+from opensim_ik import angles
 
 opensim.Logger.setLevelString("Error")
 
@@ -107,6 +109,16 @@ def differences(folder):
     print(f"weights over time turn a joint by {np.median(rms):.2f} degrees (median), {names[own[worst]]} by {rms[worst]:.2f}")
 
 
+def against(truth, motion):
+    """Coordinates of a motion less the angles of true points by definition, degrees."""
+    markers, points = read_trc(truth)
+    true = angles({name: points[:, k] for k, name in enumerate(markers)})
+    names, table = read_mot(motion)
+    for name in (name for name in names if name in true):
+        apart = (table[:, names.index(name)] - true[name][: len(table)] + 180) % 360 - 180
+        print(f"{name} {apart.mean():+.1f}, rms {np.sqrt((apart**2).mean()):.1f}")
+
+
 def main():
     script = Path(__file__).resolve().with_name("opensim_ik.py")
     sinew, result, out = str(Path(sys.argv[1]).resolve()), Path(sys.argv[2]).resolve(), Path(sys.argv[3]).resolve()
@@ -121,6 +133,8 @@ def main():
     show("export, one weight a marker", names, far)
     show("export, weights over time", *distances(ours / "scaled.osim", ours / "ik_over_time.mot", trc))
     differences(ours)
+    if (result / "truth.trc").exists():
+        against(result / "truth.trc", ours / "ik.mot")
     for what, markers in [("our markers, Pose2Sim's settings", trc), ("Pose2Sim's markers and settings", theirs)]:
         if markers is None:
             continue

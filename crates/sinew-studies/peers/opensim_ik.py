@@ -284,4 +284,5 @@ def main():
             rows.writerow([name, f"{rms:.2f}", *(f"{x:.2f}" if has_joint else "" for x in offset)])
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -24,12 +24,25 @@ def table(path):
     return head[1:], [[float(cell) for cell in row] for row in rows]
 
 
+# Flexion of the lumbar joint is not shown by markers; as in ik.xml it is held at its default.
+HELD, HELD_WEIGHT = ("L5_S1_Flex_Ext", "lumbar_extension"), 0.1
+
 # A solver keeps no hold of it: it must live as long.
 COORDINATES = opensim.SimTKArrayCoordinateReference()
 
 
+def hold(model):
+    """Holds the coordinates of a model that markers do not show."""
+    for name in HELD:
+        if model.getCoordinateSet().contains(name):
+            default = model.getCoordinateSet().get(name).getDefaultValue()
+            held = opensim.CoordinateReference(name, opensim.Constant(default))
+            held.setWeight(HELD_WEIGHT)
+            COORDINATES.push_back(held)
+
+
 def solver_of(model, reference):
-    """A solver of a model's markers alone."""
+    """A solver of a model's markers and the coordinates that are held."""
     solver = opensim.InverseKinematicsSolver(model, reference, COORDINATES, float("inf"))
     solver.setAccuracy(ACCURACY)
     return solver
@@ -50,6 +63,7 @@ def assembled(model, reference, names, start, time):
 def main(folder=pathlib.Path(__file__).resolve().parent):
     opensim.Logger.setLevelString("Error")
     model = opensim.Model(str(folder / "scaled.osim"))
+    hold(model)
     names, rows = table(folder / "weights.csv")
     time, *weights = rows[0]
     markers = opensim.SetMarkerWeights()

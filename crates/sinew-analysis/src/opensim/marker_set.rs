@@ -34,9 +34,9 @@ const FEET: [(&str, &str); 3] = [("Heel", "calcn"), ("BigToe", "toes"), ("SmallT
 /// Places in the models before they are scaled, metres, x forward, y up, z to the right: heel bone and toes from the talus of the right foot, shoulder in the trunk, trunk and right hip in the pelvis, head in the trunk at rest.
 const CALCANEUS: [f64; 3] = [-0.048_77, -0.041_95, 0.007_92];
 const TOES: [f64; 3] = [0.130_03, -0.043_95, 0.009];
-const SHOULDER: [f64; 3] = [0.003_155, 0.3715, 0.17];
-const TRUNK: [f64; 3] = [-0.1007, 0.0815, 0.0];
-const HIP: [f64; 3] = [-0.0707, -0.0661, 0.0835];
+pub(super) const SHOULDER: [f64; 3] = [0.003_155, 0.3715, 0.17];
+pub(super) const TRUNK: [f64; 3] = [-0.1007, 0.0815, 0.0];
+pub(super) const HIP: [f64; 3] = [-0.0707, -0.0661, 0.0835];
 const NECK_JOINT: [f64; 3] = [0.0, 0.541_458, 0.0];
 const HEAD_BELOW_JOINT: [f64; 3] = [0.0, -0.03, 0.0];
 

@@ -1,6 +1,6 @@
 //! Settings of OpenSim's scale tool: sizes of the model's bodies from distances between points.
 //!
-//! The tracked body keeps its lengths, so all frames say the same. The trunk has a height and, between the shoulders, a width. Markers are not moved afterwards: centres of joints stay at the joints.
+//! The tracked body keeps its lengths, so all frames say the same. The trunk has a height, from hips to shoulders, and widths at both. Hips do not say how high a pelvis is: were it scaled by them in all directions, somebody with wide hips would get a trunk that is too long, which can only be fitted bent. Markers are not moved afterwards: centres of joints stay at the joints.
 
 use super::marker_set::ModelMarker;
 use sinew_formats::xml_text::escaped;
@@ -20,7 +20,7 @@ struct Measurement {
 const ALL: &str = " X Y Z";
 
 const MEASUREMENTS: [Measurement; 9] = [
-    Measurement { name: "pelvis", pairs: &[["RHip", "LHip"]], bodies: &["pelvis", "sacrum"], axes: ALL },
+    Measurement { name: "pelvis", pairs: &[["RHip", "LHip"]], bodies: &["pelvis", "sacrum"], axes: " Z" },
     Measurement {
         name: "thigh",
         pairs: &[["RHip", "RKnee"], ["LHip", "LKnee"]],
@@ -42,7 +42,7 @@ const MEASUREMENTS: [Measurement; 9] = [
     Measurement {
         name: "torso",
         pairs: &[["RShoulder", "RHip"], ["LShoulder", "LHip"]],
-        bodies: &["lumbar5", "lumbar4", "lumbar3", "lumbar2", "lumbar1", "torso"],
+        bodies: &["pelvis", "sacrum", "lumbar5", "lumbar4", "lumbar3", "lumbar2", "lumbar1", "torso"],
         axes: " X Y",
     },
     Measurement {
@@ -97,4 +97,42 @@ pub(super) fn to_xml(
         .replace("{{scaled}}", SCALED)
         .replace("{{range}}", &format!("{from} {to}"))
         .replace("{{measurements}}\n", &measured)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::marker_set::{HIP, SHOULDER, TRUNK};
+    use super::*;
+    use sinew_body::points::points_of_states;
+    use sinew_body::{Proportions, standard};
+
+    fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
+        (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
+    }
+
+    /// The scaled model's shoulders are as high above its hips as the person's, however wide their hips are: with a trunk that is too long or too short, flexion of the lumbar joint would make up for it.
+    #[test]
+    fn the_trunk_is_as_high_as_the_persons_with_narrow_and_wide_hips() {
+        for hip_half_width in [0.07, 0.1, 0.13] {
+            let sizes = Proportions { hip_half_width, ..Proportions::default() };
+            let tree = standard::h32(&sizes);
+            let zero = points_of_states(&tree, &[vec![0.0; tree.dof()]]);
+            let ours = |name: &str| zero.frames[0][zero.index(name).unwrap()];
+            let model = |name: &str| {
+                let [x, y, z] =
+                    if name.ends_with("Hip") { HIP } else { [0, 1, 2].map(|k: usize| TRUNK[k] + SHOULDER[k]) };
+                [x, y, if name.starts_with('L') { -z } else { z }]
+            };
+            // The scale tool: means of ratios of distances.
+            let height_factor = |body: &str| {
+                let is_its = |m: &&Measurement| m.bodies.contains(&body) && m.axes.contains('Y');
+                let Measurement { pairs, .. } = MEASUREMENTS.iter().find(is_its).unwrap();
+                let ratio = |[a, b]: &[&str; 2]| apart(ours(a), ours(b)) / apart(model(a), model(b));
+                pairs.iter().map(ratio).sum::<f64>() / pairs.len() as f64
+            };
+            let found = height_factor("pelvis") * (TRUNK[1] - HIP[1]) + height_factor("torso") * SHOULDER[1];
+            let expected = ours("RShoulder")[2] - ours("RHip")[2];
+            assert!((found - expected).abs() < 0.01, "{found:.3} m for {expected:.3} m");
+        }
+    }
 }

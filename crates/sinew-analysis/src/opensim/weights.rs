@@ -52,6 +52,13 @@ impl MarkerWeights {
         Ok(Self { names, times_s: table.rows.iter().map(|row| row[time]).collect(), precisions })
     }
 
+    /// Of markers with 1/sd² in each frame.
+    #[cfg(test)]
+    pub(super) fn of(names: &[&str], precisions: Vec<Vec<f64>>) -> Self {
+        let times_s = (0..precisions.len()).map(|frame| frame as f64).collect();
+        Self { names: names.iter().map(|name| (*name).to_owned()).collect(), times_s, precisions }
+    }
+
     /// A weight for each marker, for all frames; 1 in the mean.
     pub(super) fn constant(&self) -> Vec<f64> {
         let frames = self.precisions.len() as f64;

@@ -100,8 +100,13 @@ fn a_result_becomes_input_of_opensim() {
         (read("out/opensim/marker_set.xml"), read("out/opensim/ik.xml"), read("out/opensim/scale.xml"));
     assert!(set.contains("<Marker name=\"RKnee\">") && set.contains("/bodyset/tibia_r"));
     assert!(scale.contains("<model_file>model.osim</model_file>") && !scale.contains("{{") && !ik.contains("{{"));
-    let weights: Vec<f64> =
-        ik.split("<weight>").skip(1).map(|rest| rest.split("</weight>").next().unwrap().parse().unwrap()).collect();
+    let (markers, held) = ik.split_once("<IKCoordinateTask").unwrap();
+    assert!(!held.contains("<apply>true</apply>"), "no coordinate applies to a model that is not known: {held}");
+    let weights: Vec<f64> = markers
+        .split("<weight>")
+        .skip(1)
+        .map(|rest| rest.split("</weight>").next().unwrap().parse().unwrap())
+        .collect();
     assert_eq!(weights.len(), set.matches("<Marker ").count());
     assert!((weights.iter().sum::<f64>() / weights.len() as f64 - 1.0).abs() < 1e-3, "{weights:?}");
 
@@ -109,12 +114,13 @@ fn a_result_becomes_input_of_opensim() {
     let bodies = ["pelvis", "femur_r", "tibia_r", "talus_r", "femur_l", "tibia_l", "talus_l", "humerus_r", "humerus_l"];
     let model = MODEL.to_owned()
         + &bodies.map(|body| format!("<Body name=\"{body}\"/>")).concat()
-        + "</objects></BodySet></Model></OpenSimDocument>";
+        + "</objects></BodySet><JointSet><Coordinate name=\"L5_S1_Flex_Ext\"/></JointSet></Model></OpenSimDocument>";
     assert_eq!(osim_model::read("m", &model).unwrap().bodies, bodies);
     fs::write(trial.path("legs.osim"), &model).unwrap();
     let made = trial.run(&["export", "opensim", "out", "--model", "legs.osim", "-olegs", "--json"]);
     let answer: serde_json::Value = serde_json::from_slice(&made.stdout).unwrap();
     assert!(answer["left_out"].as_array().unwrap().iter().any(|name| name == "Nose"), "{answer:#}");
+    assert!(read("legs/ik.xml").contains("<IKCoordinateTask name=\"L5_S1_Flex_Ext\"><apply>true</apply>"));
     assert!(
         read("legs/scale.xml").contains("legs.osim</model_file>") && !read("legs/scale.xml").contains("\"ulna_r\"")
     );
