@@ -28,6 +28,8 @@ const OUTLIER: f64 = 0.02;
 /// A frame that is looked at.
 pub(super) struct Looked {
     pub number: u64,
+    /// Counts on where the person was lost before, as between recordings that follow each other.
+    pub stretch: usize,
     pub detections: Vec<Vec<Option<Detection>>>,
     /// As in [`sinew_observe::KeypointFrame`].
     pub elsewhere: Vec<Vec<f64>>,
@@ -91,6 +93,7 @@ pub(super) fn looked_at(
     let config = association::Config::default();
     let mut following = Following { person: setup.person, ..Following::default() };
     let mut found_in: Vec<(u64, Sighted, Vec<Vec<f64>>)> = vec![];
+    let (mut lost_for, mut begins): (_, Vec<u64>) = (0, vec![]);
     // Frames near those that are looked at, from which velocities come.
     let mut near: Vec<(u64, Sighted)> = vec![];
     for number in numbers.clone() {
@@ -98,8 +101,13 @@ pub(super) fn looked_at(
         let found = follow(&mut following, &cameras, &people, None, &config);
         let after = (number - numbers.start) % stride;
         if !found.is_present() {
+            lost_for += 1;
             continue;
         }
+        if lost_for > config.lost_frames {
+            begins.push(number);
+        }
+        lost_for = 0;
         if after.min(stride - after) <= reach(fps) {
             near.push((number, found.people.clone()));
         }
@@ -127,7 +135,8 @@ pub(super) fn looked_at(
         let rate_and_least = (fps, model.least_confidence);
         let seen_velocities = keypoint_velocities((&as_they_are, &noise), &near, at, &keypoints, rate_and_least);
         let (velocities, on_time) = (vec![], detections.clone());
-        looked.push(Looked { number, detections, elsewhere, pose, seen_velocities, velocities, on_time });
+        let stretch = begins.partition_point(|begin| *begin <= number);
+        looked.push(Looked { number, stretch, detections, elsewhere, pose, seen_velocities, velocities, on_time });
     }
     Ok(looked)
 }

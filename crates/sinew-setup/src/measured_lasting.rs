@@ -12,10 +12,11 @@
 //!
 //! Errors of a detector last some frames, so frames that follow each other are not worth as many independent ones. With the correlation 0.93 φ of a residual with that of the next frame looked at, φ = exp(−Δt/τ), they are worth
 //! the share 1 / (1 + 2 · 0.93 φ/(1 − φ)); a frame's information is multiplied by it. For constants that is exact in long recordings. τ has a prior around 0.1 s.
+//! Nor are recordings of one person independent in which they do the same: where n of them follow each other, errors of alike frames correlate by some ρ, and the information is divided by 1 + (n − 1) ρ, so that a recording that is shown twice tells nothing new.
 
 mod stored;
 
-use super::error_persistence::{correlation, persistence_s};
+use super::error_persistence::{Residuals, persistence_s};
 use super::lasting_errors::LASTING_SHARE;
 use super::lasting_prior::{expected_places, prior};
 use super::lasting_sources::point_sources;
@@ -335,10 +336,14 @@ impl Fit {
         if frames.len() < 2 {
             return;
         }
-        let (found, pairs) = correlation(frames, self.errors.cameras, self.errors.points);
+        let residuals = Residuals::new(frames, self.errors.cameras, self.errors.points);
+        let stretches: Vec<usize> = self.frames.iter().map(|frame| frame.stretch).collect();
+        let (found, pairs) = residuals.of_successive(&stretches);
         self.persistence_s = persistence_s(found, self.worth * pairs, self.seconds_apart);
         let phi = (-self.seconds_apart / self.persistence_s).exp();
-        self.worth = 1.0 / (1.0 + 2.0 * LASTING_SHARE * phi / (1.0 - phi));
+        let bodies: Vec<Vec<f64>> = self.frames.iter().map(|frame| self.body.at(&frame.pose).positions).collect();
+        let again = residuals.told_again(&stretches, &bodies);
+        self.worth = 1.0 / (again * (1.0 + 2.0 * LASTING_SHARE * phi / (1.0 - phi)));
     }
 
     fn predicted(&self, index: usize, frame: &Looked, former: Option<&Moments>) -> Moments {
