@@ -8,7 +8,8 @@
 //! | rotation, obliquity, tilt | R_z(c) R_y(b) R_x(a) | Baker, Gait & Posture 13 (2001) 1–6: about the vertical, the floating axis, the pelvis' own right axis; tilt and obliquity do not depend on where somebody faces | b = ±90° |
 //! | plane, elevation, rotation | R_z(a) R_y(b) R_z(c) | Wu et al., J. Biomech. 38 (2005) 981–992, §2.4.7: Y–X–Y of the ISB's axes | b = 0, 180° |
 
-use std::f64::consts::{PI, TAU};
+use crate::circle::{self, TURN_RAD};
+use std::f64::consts::PI;
 
 /// A rotation, rows first.
 pub(crate) type Matrix = [[f64; 3]; 3];
@@ -55,13 +56,13 @@ impl AngleSequence {
 }
 
 fn within_half(angle: f64) -> f64 {
-    angle - TAU * (angle / TAU).round()
+    circle::near(angle, 0.0, TURN_RAD)
 }
 
 /// Of the angles that give the same rotation, those nearest to the ones before.
 #[must_use]
 pub fn near(sequence: AngleSequence, [a, b, c]: [f64; 3], before: [f64; 3]) -> [f64; 3] {
-    let turned = |angles: [f64; 3]| [0, 1, 2].map(|k| angles[k] + TAU * ((before[k] - angles[k]) / TAU).round());
+    let turned = |angles: [f64; 3]| [0, 1, 2].map(|k| circle::near(angles[k], before[k], TURN_RAD));
     let one = turned([a, b, c]);
     if !matches!(sequence, AngleSequence::FlexionAdductionRotation | AngleSequence::RotationObliquityTilt) {
         return one;

@@ -5,6 +5,7 @@
 //! | module | what |
 //! |---|---|
 //! | [`joint_angles`] | the angles of a body by a convention, in a state |
+//! | [`circle`] | means and differences of angles, which know no cut |
 //! | [`columns`] | which angles a body has under which names: OpenSim's or the ISB's |
 //! | [`decomposition`] | three angles of a rotation |
 //! | [`pelvis`] | angles of the pelvis, by OpenSim and by Baker |
@@ -16,6 +17,7 @@
 //! | [`zero`] | what a standing trial takes off angles |
 
 pub mod angle_draws;
+pub mod circle;
 pub mod columns;
 pub mod decomposition;
 pub mod fixed_lag;

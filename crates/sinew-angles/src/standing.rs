@@ -8,10 +8,10 @@
 //!
 //! which is 0 where what is known of each frame explains all of it.
 
+use crate::circle::{self, TURN_RAD};
 use crate::zero::{has_zero, mean_directions};
 use crate::{AngleDraws, JointAngles};
 use sinew_body::KinematicTree;
-use std::f64::consts::TAU;
 
 /// Movement of an angle over the trial above which nobody stands still.
 pub const MOST_MOVED_DEG: f64 = 5.0;
@@ -144,13 +144,12 @@ fn moved(frames: &[FrameSpread], angle: usize) -> f64 {
 
 /// Mean direction of angles.
 fn direction(angles: impl Iterator<Item = f64>) -> f64 {
-    let (sin, cos) = angles.fold((0.0, 0.0), |(s, c), x| (s + x.sin(), c + x.cos()));
-    f64::atan2(sin, cos)
+    circle::direction(angles, TURN_RAD)
 }
 
 /// An angle within half a turn of 0.
 fn about(angle: f64) -> f64 {
-    angle - TAU * (angle / TAU).round()
+    circle::near(angle, 0.0, TURN_RAD)
 }
 
 /// The largest of the values above a limit with its name, and how many others there are.

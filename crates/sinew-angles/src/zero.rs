@@ -9,8 +9,8 @@
 //! Where both runs share draws of what is constant, draw i of the one belongs to draw i of the other, and what lasts goes with the difference; else draws are paired as they come.
 
 use crate::JointAngles;
+use crate::circle::{TURN_RAD, direction, near};
 use crate::pelvis::{ISB_PELVIS, OPENSIM_PELVIS};
-use std::f64::consts::TAU;
 
 /// Whether a standing trial has a zero of an angle of that name.
 ///
@@ -56,9 +56,8 @@ impl AngleZero {
         let of = |name: &String| {
             let column = column(name);
             let at = |draw: usize| column.map_or(0.0, |column| drawn[draw * names.len() + column]);
-            let (sin, cos) = (0..draws).fold((0.0, 0.0), |(s, c), draw| (s + at(draw).sin(), c + at(draw).cos()));
-            let middle = if column.is_some() { f64::atan2(sin, cos) } else { 0.0 };
-            let apart = (0..draws).map(|draw| at(draw) - middle).map(|x| x - TAU * (x / TAU).round());
+            let middle = if column.is_some() { direction((0..draws).map(at), TURN_RAD) } else { 0.0 };
+            let apart = (0..draws).map(|draw| near(at(draw) - middle, 0.0, TURN_RAD));
             (middle, apart.collect::<Vec<f64>>())
         };
         let (means, deviations) = angles.names().iter().map(of).unzip();

@@ -1,20 +1,26 @@
 //! Statistics of joint angles over the trials of a group, with intervals.
+//! Trials lie within half a turn of the mean of those before them, and the mean of all within half a turn of 0; a range is no direction and stays.
 //!
 //! For each draw the mean over the trials is taken, and the interval is that over the draws. In trials with one set-up draw i is of the same cameras, sizes and biases, in trials of several subjects of a session of the same cameras: an error that all trials share stays in the interval of their
 //! mean. Draws of trials with set-ups of their own are paired as they come, and come from random numbers of their own, but for copies of a trial, which err alike: what such trials share without saying so, as cameras, then averages out too much.
 
 use super::angle_draws::AngleOverTime;
 use super::trial_table::quoted;
+use sinew::angles::circle::{self, TURN_DEG};
 use sinew::core::estimators::{mean, quantile};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
+
+/// What is taken of an angle over the time of a trial.
+const MEAN: &str = "mean over time";
+const RANGE: &str = "range over time";
 
 /// What is known of an angle in a group of trials.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct GroupAngle {
     pub(super) group: String,
     pub(super) angle: String,
-    /// `mean over time` or `range over time`.
+    /// [`MEAN`] or [`RANGE`].
     pub(super) what: &'static str,
     pub(super) trials: usize,
     /// Mean over the trials: of the draws, and the ends of its 90 % interval, degrees.
@@ -36,6 +42,12 @@ struct RunningMean {
 }
 
 impl RunningMean {
+    /// Whole turns that bring the draws of a trial next to the trials before it.
+    fn turns_to(&self, draws: &[f64]) -> f64 {
+        let own = mean(draws);
+        if self.trials == 0 { 0.0 } else { circle::near(own, self.middle, TURN_DEG) - own }
+    }
+
     fn add(&mut self, draws: &[f64]) {
         match self.trials {
             0 => self.sums = draws.to_vec(),
@@ -72,9 +84,11 @@ impl Groups {
     pub(super) fn add(&mut self, group: &str, angles: Vec<(String, AngleOverTime)>) {
         let own = self.0.entry(group.to_owned()).or_default();
         for (name, AngleOverTime { mean_deg, range_deg }) in angles {
-            for (what, draws) in [("mean over time", mean_deg), ("range over time", range_deg)] {
+            for (what, draws) in [(MEAN, mean_deg), (RANGE, range_deg)] {
                 if !draws.is_empty() {
-                    own.entry((name.clone(), what)).or_default().add(&draws);
+                    let known = own.entry((name.clone(), what)).or_default();
+                    let turns = if what == MEAN { known.turns_to(&draws) } else { 0.0 };
+                    known.add(&draws.iter().map(|draw| draw + turns).collect::<Vec<f64>>());
                 }
             }
         }
@@ -85,6 +99,8 @@ impl Groups {
         let statistics_in = |(group, angles): (&String, &BTreeMap<AngleKey, RunningMean>)| {
             let statistics_for = |((angle, what), known): (&AngleKey, &RunningMean)| {
                 let (mean_deg, interval_deg, sd_between_deg) = known.statistics();
+                let turns = if *what == MEAN { circle::near(mean_deg, 0.0, TURN_DEG) - mean_deg } else { 0.0 };
+                let (mean_deg, interval_deg) = (mean_deg + turns, interval_deg.map(|end| end + turns));
                 let (group, angle) = (group.clone(), angle.clone());
                 GroupAngle { group, angle, what, trials: known.trials, mean_deg, interval_deg, sd_between_deg }
             };

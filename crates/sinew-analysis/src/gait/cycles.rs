@@ -1,10 +1,11 @@
 //! Joint angles over the gait cycle, 0 to 100 % from heel strike to heel strike of a side.
 //!
-//! Every stride of a side is cut out of the angles of the mean pose and read at 101 shares of its duration, on the line between the frames. The band is the standard deviation between cycles. Where the ends of its 90 % intervals are known (`angles.csv`), they are read alike, and the mean over the cycles of these ends is the interval of the angle in one cycle: it does not shrink with the number of cycles.
+//! Every stride of a side is cut out of the angles of the mean pose and read at 101 shares of its duration, on the line between the frames. Series are continuous, and cycles lie as near to each other as whole turns allow: who walks round the room has turned, not their hip. The band is the standard deviation between cycles. Where the ends of its 90 % intervals are known (`angles.csv`), they are read alike, and the mean over the cycles of these ends is the interval of the angle in one cycle: it does not shrink with the number of cycles.
 
 use super::strides::Stride;
 use super::walk::interpolated;
 use crate::Error;
+use sinew::angles::circle::{TURN_DEG, direction, near, turns};
 use sinew::files::read_text;
 use sinew_formats::mot;
 use sinew_formats::source_text::MAX_TEXT_BYTES;
@@ -85,21 +86,38 @@ fn intervals(folder: &Path, frames: usize) -> Result<Vec<NamedEnds>, Error> {
 fn cycle(side: usize, series: &Series, times_s: &[f64], strides: &[Stride]) -> Option<AngleCycle> {
     let own: Vec<&Stride> = strides.iter().filter(|stride| stride.side == side).collect();
     let count = own.len() as f64;
-    let over = |values: &[f64], place: usize| -> Vec<f64> {
-        let share = place as f64 / (PLACES - 1) as f64;
-        let time = |stride: &&Stride| stride.start_s + share * (stride.end_s - stride.start_s);
-        own.iter().map(|stride| interpolated(times_s, values, time(stride))).collect()
+    let by: Vec<f64> = turns(series.mean_deg.iter().copied(), TURN_DEG).collect();
+    let read = |values: &[f64]| -> Vec<Vec<f64>> {
+        let values: Vec<f64> = values.iter().zip(&by).map(|(angle, by)| angle + by).collect();
+        let over = |stride: &&Stride| {
+            let time = |place: usize| place as f64 / (PLACES - 1) as f64 * (stride.end_s - stride.start_s);
+            (0..PLACES).map(|place| interpolated(times_s, &values, stride.start_s + time(place))).collect()
+        };
+        own.iter().map(over).collect()
     };
-    let mean = |values: &[f64]| -> Vec<f64> {
-        (0..PLACES).map(|place| over(values, place).iter().sum::<f64>() / count).collect()
+    let mut cycles = read(&series.mean_deg);
+    let middles: Vec<f64> = cycles.iter().map(|cycle| cycle.iter().sum::<f64>() / PLACES as f64).collect();
+    let middle = direction(middles.iter().copied(), TURN_DEG);
+    let turned: Vec<f64> = middles.iter().map(|own| near(*own, middle, TURN_DEG) - own).collect();
+    let turn = |cycles: &mut Vec<Vec<f64>>| {
+        cycles.iter_mut().zip(&turned).for_each(|(cycle, by)| cycle.iter_mut().for_each(|angle| *angle += by));
     };
-    let mean_deg = mean(&series.mean_deg);
+    let mean = |cycles: &[Vec<f64>]| -> Vec<f64> {
+        (0..PLACES).map(|place| cycles.iter().map(|cycle| cycle[place]).sum::<f64>() / count).collect()
+    };
+    turn(&mut cycles);
+    let mean_deg = mean(&cycles);
     let sd = |place: usize| {
-        let square: f64 = over(&series.mean_deg, place).iter().map(|x| (x - mean_deg[place]).powi(2)).sum();
+        let square: f64 = cycles.iter().map(|cycle| (cycle[place] - mean_deg[place]).powi(2)).sum();
         (square / (count - 1.0)).sqrt()
     };
     let sd_deg = (0..PLACES).map(sd).collect();
-    let interval_deg = series.ends_deg.as_ref().map(|ends| ends.each_ref().map(|ends| mean(ends)));
+    let end = |values: &Vec<f64>| {
+        let mut ends = read(values);
+        turn(&mut ends);
+        mean(&ends)
+    };
+    let interval_deg = series.ends_deg.as_ref().map(|ends| ends.each_ref().map(end));
     let angle = series.name.clone();
     (!own.is_empty()).then_some(AngleCycle { side, angle, cycles: own.len(), mean_deg, sd_deg, interval_deg })
 }
@@ -132,5 +150,28 @@ mod tests {
         }
         assert!(cycle(1, &series, &times_s, &strides[..1]).is_none());
         assert!(cycle(0, &series, &times_s, &strides[..1]).unwrap().sd_deg[3].is_nan());
+    }
+
+    /// Somebody who walks backwards, facing 178° from where they walk, sways by 5°, once given within half a turn, once turned round by another lap.
+    #[test]
+    fn cycles_do_not_know_the_cut() {
+        let times_s: Vec<f64> = (0..401).map(|k| f64::from(k) / 100.0).collect();
+        let sways = |t: f64| 178.0 + 5.0 * (std::f64::consts::TAU * t).sin();
+        let strides = [stride(0, 0.0, 1.0), stride(0, 1.0, 2.0), stride(0, 2.0, 3.0)];
+        let within = |x: f64| if x > 180.0 { x - 360.0 } else { x };
+        let laps = |t: f64| sways(t) + if t < 1.5 { 0.0 } else { 360.0 };
+        for given in [&(|t: f64| within(sways(t))) as &dyn Fn(f64) -> f64, &laps] {
+            let mean_deg: Vec<f64> = times_s.iter().map(|t| given(*t)).collect();
+            let ends_deg = [-1.0, 2.0].map(|by| mean_deg.iter().map(|x| x + by).collect::<Vec<f64>>());
+            let series = Series { name: "pelvic_rotation".into(), mean_deg, ends_deg: Some(ends_deg) };
+            let found = cycle(0, &series, &times_s, &strides).unwrap();
+            let [low, high] = found.interval_deg.as_ref().unwrap();
+            for place in [0, 25, 60, 75] {
+                let expected = sways(place as f64 / 100.0);
+                assert!((found.mean_deg[place] - expected).abs() < 1e-9, "{place}: {}", found.mean_deg[place]);
+                assert!(found.sd_deg[place] < 1e-9, "{place}: {}", found.sd_deg[place]);
+                assert!((low[place] - expected + 1.0).abs() < 1e-9 && (high[place] - expected - 2.0).abs() < 1e-9);
+            }
+        }
     }
 }

@@ -9,6 +9,7 @@ use super::varied::interval;
 use super::walk::{MOST_FRAMES, Walk};
 use crate::Error;
 use serde_json::Value;
+use sinew::angles::circle::{TURN_DEG, near};
 use sinew::angles::pelvis::{ISB_PELVIS, OPENSIM_PELVIS, baker_from_opensim};
 use sinew::angles::{AngleDraws, Convention, JointAngles};
 use sinew::files::read_text;
@@ -87,7 +88,7 @@ fn ends_deg(folder: &Path, means_deg: &[[f64; 3]]) -> Result<Option<Vec<[[f64; 2
         for draw in 0..draws.draws() {
             angles.raw(&draws.state(draw, frame), None, &mut raw);
             for (k, drawn) in drawn.iter_mut().enumerate() {
-                drawn.push(near_deg(angles.signed(places[k], &raw).to_degrees(), means_deg[frame][k]));
+                drawn.push(near(angles.signed(places[k], &raw).to_degrees(), means_deg[frame][k], TURN_DEG));
             }
         }
         let [tilt, obliquity, rotation] = drawn.map(|drawn| interval(&drawn));
@@ -111,15 +112,10 @@ fn headings_deg(walk: &Walk) -> Vec<f64> {
 fn against_walking(rotation: &mut Series, headings_deg: &[f64]) {
     for (frame, heading) in headings_deg.iter().enumerate() {
         let mean = rotation.mean_deg[frame];
-        let off = near_deg(mean - heading, 0.0) - mean;
+        let off = near(mean - heading, 0.0, TURN_DEG) - mean;
         rotation.mean_deg[frame] += off;
         rotation.ends_deg.iter_mut().flatten().for_each(|ends| ends[frame] += off);
     }
-}
-
-/// The same direction, within half a turn of another.
-fn near_deg(angle: f64, other: f64) -> f64 {
-    angle - 360.0 * ((angle - other) / 360.0).round()
 }
 
 #[cfg(test)]
