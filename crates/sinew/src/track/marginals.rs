@@ -2,10 +2,14 @@
 //!
 //! Quantiles are taken of the weighted draws: the least value at which the cumulated weight reaches p. A body of unknown size before one camera has draws of all
 //! sizes ([`UnknownSize`]); where the lengths of the body are known up to an error, its points move with them ([`Moved`]).
+//!
+//! With s⁽ⁱ⁾ the shift of the world that the cameras of draw i look like, and m⁽ⁱ⁾ the mean place of all points in it, the shift that all points share is the least-squares fit Λ s⁽ⁱ⁾ to m⁽ⁱ⁾ − m̄ over the draws. It is not s⁽ⁱ⁾ itself: lengths of the body and how it moves hold a person back where two cameras side by side leave the distance open.
+//! The spread within the run is that of x⁽ⁱ⁾ − Λ s⁽ⁱ⁾. Of a coordinate that does not go with the others, which it would widen, nothing is taken off: no part exceeds the whole.
 
 use crate::setup::unknown_size::UnknownSize;
 use rayon::prelude::*;
 use sinew_body::{KinematicTree, Plan, point_positions_block};
+use sinew_core::estimators::mean;
 use sinew_core::lanes::{Block, Isa, LANES};
 use sinew_results::estimate::{PointMarginal, StateMarginal};
 use sinew_tracking::moved::{Moved, add_row};
@@ -91,14 +95,7 @@ impl Marginals {
                 add_row(series, column.checked_sub(body).map_or_else(|| points.row(column), |row| keypoints.row(row)));
             }
         };
-        let away = |axis: usize| moved.map(|moved| moved.shifts.iter().map(|shift| -shift[axis]).collect::<Vec<f64>>());
-        let away = [away(0), away(1), away(2)];
-        let within = |series: &[f64], axis: usize| {
-            let mut own = series.to_vec();
-            add_row(&mut own, away[axis].as_ref()?);
-            Some(moments(&own, posterior.weights, equal)[1])
-        };
-        let described_column = |series: &mut Vec<f64>, all: &[Block], width: usize, column: usize| {
+        let draws_of = |series: &mut Vec<f64>, all: &[Block], width: usize, column: usize| {
             series.clear();
             all.chunks_exact(width).for_each(|block| series.extend_from_slice(&block[column].0));
             series.truncate(posterior.count());
@@ -108,8 +105,29 @@ impl Marginals {
             if let Some(size) = size.as_ref().filter(|_| width == coordinates || column < 3) {
                 series.iter_mut().enumerate().for_each(|(draw, x)| *x = size.place(draw, column % 3, *x));
             }
-            let within = if width == coordinates { within(series, column % 3) } else { None };
+        };
+        let middle = |axis: usize| {
+            let (mut sum, mut series) = (vec![0.0; posterior.count()], vec![]);
+            for column in (axis..body).step_by(3) {
+                draws_of(&mut series, positions, coordinates, column);
+                sum.iter_mut().zip(&series).for_each(|(sum, x)| *sum += 3.0 * x / body as f64);
+            }
+            sum
+        };
+        let shared = moved.map(|moved| {
+            let directions = independent(&moved.shifts, posterior.count());
+            let along = |axis: usize| fitted(&middle(axis), &directions);
+            (0..3).into_par_iter().map(along).collect::<Vec<_>>()
+        });
+        let within = |series: &[f64], axis: usize, sd: f64| {
+            let shared = shared.as_ref()?;
+            let own: Vec<f64> = series.iter().zip(&shared[axis]).map(|(x, shared)| x - shared).collect();
+            Some(moments(&own, posterior.weights, equal)[1].min(sd))
+        };
+        let described_column = |series: &mut Vec<f64>, all: &[Block], width: usize, column: usize| {
+            draws_of(series, all, width, column);
             let [mean, sd, q05, q95] = describe(series, posterior.weights, equal);
+            let within = if width == coordinates { within(series, column % 3, sd) } else { None };
             [mean, sd, q05, q95, within.unwrap_or(sd)]
         };
         let described: Vec<[f64; 5]> = (0..coordinates + d)
@@ -138,9 +156,47 @@ impl Marginals {
     }
 }
 
+/// Series without their mean that are orthogonal to each other and span the axes of the shifts, which repeat over `count` draws; axes that add nothing are left out.
+fn independent(shifts: &[[f64; 3]], count: usize) -> Vec<Vec<f64>> {
+    let mut found: Vec<Vec<f64>> = vec![];
+    for axis in 0..3 {
+        let whole = centred((0..count).map(|draw| shifts[draw % shifts.len()][axis]).collect());
+        let fit = fitted(&whole, &found);
+        let rest: Vec<f64> = whole.iter().zip(fit).map(|(x, fit)| x - fit).collect();
+        if dot(&rest, &rest) > LEAST_OWN * dot(&whole, &whole) {
+            found.push(rest);
+        }
+    }
+    found
+}
+
+/// Share of its square below which an axis adds nothing to the others.
+const LEAST_OWN: f64 = 1e-12;
+
+/// The least-squares fit to a series by some that are orthogonal to each other and have no mean.
+fn fitted(series: &[f64], directions: &[Vec<f64>]) -> Vec<f64> {
+    let mut found = vec![0.0; series.len()];
+    for direction in directions {
+        let by = dot(series, direction) / dot(direction, direction);
+        found.iter_mut().zip(direction).for_each(|(sum, x)| *sum += by * x);
+    }
+    found
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn centred(mut series: Vec<f64>) -> Vec<f64> {
+    let middle = mean(&series);
+    series.iter_mut().for_each(|x| *x -= middle);
+    series
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sinew_core::random::Stage;
     use sinew_observe::Camera;
     use sinew_tracking::moved::Rows;
 
@@ -211,6 +267,53 @@ mod tests {
             let expected = [0.01, along_y, 0.0];
             assert!(from_joint.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{from_joint:?}");
             assert!((keypoint.sd[1] - along_y).abs() < 1e-12 && keypoint.sd[0] < 1e-12);
+        }
+    }
+
+    /// A person who goes with the shifts of two cameras side by side only as far as the lengths of the body let them: x = A s + e, both Gaussian. The spread within the run is that of e, and never more than all.
+    /// One point stays where it is, whatever the cameras say: of it nothing is taken off.
+    #[test]
+    fn the_spread_within_the_run_is_what_a_gaussian_leaves_without_its_shared_shift() {
+        const DRAWS: usize = 4096;
+        const SHIFT: [f64; 3] = [1.5, 0.4, 0.03];
+        const GOES: [[f64; 3]; 3] = [[0.1, 0.05, 0.0], [0.0, 0.2, 0.0], [0.0, 0.0, 1.0]];
+        const OWN: [f64; 3] = [0.05, 0.04, 0.01];
+        let tree = sinew_body::standard::h32(&sinew_body::Proportions::default());
+        let (d, count, still) = (tree.dof(), tree.points().len(), tree.point_index("LWrist").unwrap());
+        let mut normal = vec![Block::ZERO; 6 * DRAWS / LANES];
+        Stage::new(3, "Gaussian").whole().fill_normal(Isa::baseline(), &mut normal);
+        let normal: Vec<[f64; 6]> = sinew_core::lanes::numbers(&normal).as_chunks::<6>().0.to_vec();
+        let shifts: Vec<[f64; 3]> = normal.iter().map(|z| [0, 1, 2].map(|k: usize| SHIFT[k] * z[k])).collect();
+        let shared = |draw: usize, axis: usize| (0..3).map(|k| GOES[axis][k] * shifts[draw][k]).sum::<f64>();
+        let mut states = vec![Block::ZERO; DRAWS / LANES * d];
+        let mut points = vec![0.0; 3 * count * DRAWS];
+        for (draw, z) in normal.iter().enumerate() {
+            for axis in 0..3 {
+                states[draw / LANES * d + axis].0[draw % LANES] = shared(draw, axis) + OWN[axis] * z[3 + axis];
+                points[(3 * still + axis) * DRAWS + draw] = -shared(draw, axis);
+            }
+        }
+        let weights = vec![1.0 / DRAWS as f64; DRAWS];
+        let posterior = Posterior { dim: d, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };
+        let moved = Moved {
+            shifts,
+            states: Rows::new(&vec![0.0; d * DRAWS], DRAWS),
+            points: Rows::new(&points, DRAWS),
+            keypoints: Rows::new(&[], DRAWS),
+        };
+        let found = Marginals::new(&tree, None, Isa::baseline(), None).of(&posterior, Some(&moved)).points;
+        // One point of `count` does not go with the others: they share (count − 1)/count of A s.
+        let left = 1.0 / count as f64;
+        for (index, point) in found.iter().enumerate() {
+            for axis in 0..3 {
+                let along = (0..3).map(|k| (GOES[axis][k] * SHIFT[k]).powi(2)).sum::<f64>();
+                let goes = if index == still { 0.0 } else { 1.0 };
+                let all = (along * goes + OWN[axis].powi(2)).sqrt();
+                let within = if index == still { all } else { (along * left * left + OWN[axis].powi(2)).sqrt() };
+                assert!((point.sd[axis] / all - 1.0).abs() < 0.04, "{axis}: {} for {all}", point.sd[axis]);
+                let own = point.sd_within[axis];
+                assert!((own / within - 1.0).abs() < 0.04 && own <= point.sd[axis], "{axis}: {own} for {within}");
+            }
         }
     }
 }
