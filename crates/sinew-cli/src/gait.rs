@@ -13,6 +13,10 @@ use sinew_results::Occupied;
 use sinew_results::write_whole;
 use std::path::{Path, PathBuf};
 
+/// What the times of events are, and what tells contact.
+const EVENTS: &str = "strikes are where a heel is farthest ahead of the pelvis, toe offs where a toe is farthest behind: \
+     not contact with the ground, which force plates tell";
+
 /// Sides in the order of the answer.
 const SIDES: [(&str, Option<usize>); 3] = [("left", Some(0)), ("right", Some(1)), ("both", None)];
 
@@ -65,6 +69,7 @@ fn as_json(found: &GaitAnalysis, out: &Path) -> Value {
         "events": found.events.len(),
         "strides": found.strides.len(),
         "parameters": sides,
+        "definition": EVENTS,
         "warnings": found.warnings,
         "out": out.to_string_lossy(),
     })
@@ -98,5 +103,6 @@ fn as_table(found: &GaitAnalysis, out: &Path) -> String {
         }
     }
     rows.push(("files".to_owned(), GAIT_NAMES.map(|name| out.join(name).display().to_string()).join(", ")));
+    rows.push(("events".to_owned(), EVENTS.to_owned()));
     aligned(&rows)
 }

@@ -43,6 +43,15 @@ impl GaitEventKind {
             Self::ToeOff => "toe_off",
         }
     }
+
+    /// What its time is the time of, as tables say it.
+    #[must_use]
+    pub const fn definition(self) -> &'static str {
+        match self {
+            Self::HeelStrike => "point farthest ahead of the pelvis, not contact",
+            Self::ToeOff => "point farthest behind the pelvis, not contact",
+        }
+    }
 }
 
 /// An event of a foot.

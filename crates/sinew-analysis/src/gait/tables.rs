@@ -28,15 +28,17 @@ fn text(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> Result<String, si
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// `side,event,point,frame,time_s,time_q05_s,time_q95_s`.
+/// `side,event,point,frame,time_s,time_q05_s,time_q95_s,definition`.
 pub(super) fn events(gait: &GaitAnalysis) -> Result<String, sinew::Error> {
     text(|out| {
-        write_header(out, &["side", "event", "point", "frame", "time_s", "time_q05_s", "time_q95_s"])?;
+        let columns = ["side", "event", "point", "frame", "time_s", "time_q05_s", "time_q95_s", "definition"];
+        write_header(out, &columns)?;
         gait.events.iter().zip(&gait.event_frames).try_for_each(|(event, frame)| {
             let [low, high] = ends(interval(&event.draws_s));
             let (side, kind) = (Cell::Text(SIDES[event.side]), Cell::Text(event.kind.name()));
             let (frame, time) = (rounded(*frame), rounded(event.time_s));
-            write_row(out, &[side, kind, Cell::Text(&event.point), frame, time, low, high])
+            let definition = Cell::Text(event.kind.definition());
+            write_row(out, &[side, kind, Cell::Text(&event.point), frame, time, low, high, definition])
         })
     })
 }

@@ -36,6 +36,15 @@ fn a_walker_has_events_strides_and_cycles() {
     let frames = numbers(&events, "frame");
     assert!(frames.iter().zip(&time).all(|(frame, time)| (frame - 30.0 * time).abs() < 1e-3));
 
+    // What a time is stands beside it, and at the end of the answer.
+    for (kind, definition) in kinds.iter().zip(column(&events, "definition")) {
+        let way = if kind == "heel_strike" { "ahead of" } else { "behind" };
+        assert_eq!(definition, format!("point farthest {way} the pelvis, not contact"));
+    }
+    let shown = trial.run(&["gait", "out", "-oshown"]);
+    let last = String::from_utf8_lossy(&shown.stdout).lines().last().unwrap().to_owned();
+    assert!(last.contains("not contact") && last.contains("force plates"), "{last}");
+
     let parameters = read("gait_parameters.csv");
     let rows = column(&parameters, "row");
     let mean = rows.iter().zip(column(&parameters, "side")).position(|(row, side)| row == "mean" && side == "both");
