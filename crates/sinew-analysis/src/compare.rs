@@ -20,6 +20,7 @@ mod points;
 mod rigid;
 mod sampled;
 mod tables;
+mod worth;
 
 pub use agreement::{Agreement, AgreementLimits, LEVELS, Pair, agreement, limits_of_agreement};
 pub use clock::RivalOffset;
@@ -34,10 +35,11 @@ use matching::{MatchedPoint, matched, unmatched};
 use picture::bland_altman;
 use points::{LEAST_FRAMES, Unaligned};
 use sampled::Sampled;
+use sinew::angles::circle::{TURN_DEG, turns};
 use sinew::files::read_text;
 use sinew_formats::point_mapping::{self, MappedPoint};
 use sinew_formats::source_text::MAX_CONFIG_BYTES;
-use sinew_motion::convert::{Content, Motion, read};
+use sinew_motion::convert::{Content, Format, Motion, read};
 use sinew_results::people::refuse_several;
 use sinew_results::{COMPARISON_NAMES, without_summary};
 use std::path::{Path, PathBuf};
@@ -120,7 +122,7 @@ fn with_points(
     motion: &Motion,
     mapping: Option<&[MappedPoint]>,
 ) -> Result<Comparison, Error> {
-    let table = motion.points().unwrap_or_default();
+    let mut table = motion.points().unwrap_or_default();
     rising(&table.time_s, request)?;
     if table.frames.is_empty() {
         return Err(refused(Unaligned::Frames(0), request).into());
@@ -133,13 +135,25 @@ fn with_points(
         let mean = |axis: usize| points.iter().map(|point| point[axis]).sum::<f64>() / points.len() as f64;
         Some([0, 1, 2].map(mean))
     };
+    let zeros = if matches!(motion.format, Format::Trc | Format::C3d) { without_zeros(&mut table.frames) } else { 0 };
     let channels = matches.iter().map(|one| table.frames.iter().map(|frame| middle(frame, &one.reference)).collect());
     let reference = Sampled::new(table.time_s, channels.collect());
     let left = unmatched(&ours.names, &table.names, &matches);
     let ours = kept(ours, &matches);
     let (alignment, series) = points::aligned(&ours, &reference, request.parts).map_err(|why| refused(why, request))?;
-    let warnings = [motion.warnings.clone(), alignment_warnings(&alignment)].concat();
+    let mut warnings = [motion.warnings.clone(), alignment_warnings(&alignment)].concat();
+    if zeros > 0 {
+        warnings.push(format!(
+            "{zeros} places of the reference are exactly 0 0 0: taken for gaps, as laboratories write them"
+        ));
+    }
     Ok(Comparison::new(alignment, series, left, warnings))
+}
+
+/// Makes gaps of places that are exactly the origin, which no marker is, and says how many there were.
+fn without_zeros(frames: &mut [Vec<Option<[f64; 3]>>]) -> usize {
+    let zeros = frames.iter_mut().flatten().filter(|point| **point == Some([0.0; 3]));
+    zeros.map(|point| *point = None).count()
 }
 
 fn with_angles(
@@ -158,8 +172,7 @@ fn with_angles(
     let ours = estimates::angles(folder)?;
     let matches = matched(&ours.names, &table.columns, mapping)?;
     enough(&matches, &table.columns, "angles", 1, request)?;
-    let value = |row: &Vec<f64>, at: usize| Some([row[at]]).filter(|[value]| value.is_finite());
-    let channels = matches.iter().map(|one| table.rows.iter().map(|row| value(row, one.reference[0])).collect());
+    let channels = matches.iter().map(|one| channel(table.rows.iter().map(|row| row[one.reference[0]])));
     let reference = Sampled::new(table.time_s.clone(), channels.collect());
     let left = unmatched(&ours.names, &table.columns, &matches);
     let ours = kept(ours, &matches);
@@ -167,6 +180,12 @@ fn with_angles(
     let (alignment, series) = angles::aligned(&ours, &reference, parts).map_err(|why| refused(why, request))?;
     let warnings = [motion.warnings.clone(), alignment_warnings(&alignment)].concat();
     Ok(Comparison::new(alignment, series, left, warnings))
+}
+
+/// An angle of the reference, frame by frame, degrees: continuous, so that it can be read between frames.
+fn channel(values: impl Iterator<Item = f64> + Clone) -> Vec<Option<[f64; 1]>> {
+    let continuous = values.clone().zip(turns(values, TURN_DEG)).map(|(value, turns)| value + turns);
+    continuous.map(|value| Some([value]).filter(|[value]| value.is_finite())).collect()
 }
 
 fn alignment_warnings(alignment: &Alignment) -> Vec<String> {
@@ -195,4 +214,90 @@ pub fn comparison_files(found: &Comparison, title: &str) -> Result<[(&'static st
     let [table, json, picture] = COMPARISON_NAMES;
     let values = format!("{:#}\n", as_json(found));
     Ok([(table, comparison_table(found)?), (json, values), (picture, bland_altman(title, found))])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_formats::trc::{self, Trc, TrcFrame};
+    use std::fmt::Write as _;
+    use std::fs;
+
+    const FRAMES: usize = 240;
+    const NAMES: [&str; 4] = ["Hip", "Knee", "Heel", "Wrist"];
+
+    /// Where a point is, metres.
+    fn place(point: usize, time_s: f64) -> [f64; 3] {
+        let k = point as f64;
+        let swing = |axis: f64| 0.2 * (4.3 * time_s + 1.3 * k + 2.1 * axis).sin();
+        [0.4 * k + swing(0.0), 0.7 * (0.8 * time_s + k).cos() + swing(1.0), 0.5 + 0.3 * k * k + swing(2.0)]
+    }
+
+    /// A result folder, and a reference that is 0.2 s late and lacks a third of its places, given as `gap` says.
+    fn held_against(gap: Option<[f64; 3]>) -> Comparison {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let axes = ["mean_m", "sd_m", "sd_within_m"].map(|what| ["x", "y", "z"].map(|axis| format!("{axis}_{what}")));
+        let mut joints = format!("frame,joint,{}\n", axes.concat().join(","));
+        let mut frames = "frame,time_s\n".to_owned();
+        for frame in 0..FRAMES {
+            let time = frame as f64 / 60.0;
+            writeln!(frames, "{frame},{time}").unwrap();
+            for (point, name) in NAMES.iter().enumerate() {
+                let [x, y, z] = place(point, time);
+                writeln!(joints, "{frame},{name},{x},{y},{z},0.01,0.01,0.01,0.01,0.01,0.01").unwrap();
+            }
+        }
+        fs::write(path("summary.json"), "{}").unwrap();
+        fs::write(path("frames.csv"), frames).unwrap();
+        fs::write(path("joints.csv"), joints).unwrap();
+        let header = trc::Header::new("lab.trc", 100.0, NAMES.map(str::to_owned).into());
+        let row = |number: i64| {
+            let time_s = number as f64 / 100.0;
+            let seen = |point: usize| {
+                let is_gap = (number / 20 + point as i64) % 3 == 0;
+                if is_gap { gap } else { Some(trc::trc_from_world(place(point, time_s - 0.2))) }
+            };
+            TrcFrame { number, time_s, points: (0..NAMES.len()).map(seen).collect() }
+        };
+        let mut bytes = vec![];
+        trc::write(&mut bytes, &Trc { header, frames: (1..450).map(row).collect(), warnings: vec![] }).unwrap();
+        fs::write(path("lab.trc"), bytes).unwrap();
+        let parts = PartsToAlign { time: true, space: true, scale: false };
+        compare(folder.path(), &ComparisonRequest { reference: path("lab.trc"), names: None, parts }).unwrap()
+    }
+
+    #[test]
+    fn gaps_that_a_laboratory_writes_as_zeros_are_gaps() {
+        let (zeros, empty) = (held_against(Some([0.0; 3])), held_against(None));
+        for found in [&zeros, &empty] {
+            assert!((found.alignment.offset_s - 0.2).abs() < 1e-3, "{:?}", found.alignment);
+            assert!(found.mean_distance_m.unwrap() < 1e-3, "{:?}", found.mean_distance_m);
+        }
+        let counts = |found: &Comparison| found.agreements.iter().map(|one| one.count).collect::<Vec<_>>();
+        assert_eq!(counts(&zeros), counts(&empty));
+        assert!(zeros.warnings.iter().any(|words| words.contains("0 0 0")), "{:?}", zeros.warnings);
+        assert!(!empty.warnings.iter().any(|words| words.contains("0 0 0")), "{:?}", empty.warnings);
+    }
+
+    /// Our own table may jump, too: its angles are made continuous before they are averaged.
+    #[test]
+    fn own_angles_that_are_given_within_half_a_turn_are_continuous() {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut angles, mut frames) =
+            ("frame,name,mean_deg,q05_deg,q95_deg\n".to_owned(), "frame,time_s\n".to_owned());
+        for frame in 0..60 {
+            let turned = 170.0 + 20.0 * f64::from(frame % 2);
+            let mean = if turned > 180.0 { turned - 360.0 } else { turned };
+            writeln!(frames, "{frame},{}", f64::from(frame) / 60.0).unwrap();
+            writeln!(angles, "{frame},pelvis_rotation,{mean},{},{}", mean - 1.0, mean + 1.0).unwrap();
+        }
+        fs::write(folder.path().join("frames.csv"), frames).unwrap();
+        fs::write(folder.path().join("angles.csv"), angles).unwrap();
+        let found = estimates::angles(folder.path()).unwrap();
+        for (frame, own) in found.series[0].iter().enumerate() {
+            let expected = 170.0 + 20.0 * (frame % 2) as f64;
+            assert!((own.mean[0] - expected).abs() < 1e-9 && (own.sd[0] - 1.0 / 1.645).abs() < 1e-3, "{own:?}");
+        }
+    }
 }

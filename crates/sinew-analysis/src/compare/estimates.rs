@@ -1,6 +1,7 @@
 //! What a result says of points or angles: `joints.csv` or `angles.csv`.
 
 use crate::Error;
+use sinew::angles::circle::{TURN_DEG, turns};
 use sinew_results::folder_table::{FolderTable, NamedSeries};
 use std::path::Path;
 
@@ -67,11 +68,15 @@ pub(super) fn points(folder: &Path) -> Result<Estimates<3>, Error> {
     }))
 }
 
-/// Angles of a result folder; their standard deviation is taken from the interval of 90 %.
+/// Angles of a result folder, made continuous; their standard deviation is taken from the interval of 90 %.
 pub(super) fn angles(folder: &Path) -> Result<Estimates<1>, Error> {
     let times_s = times(folder)?;
     let columns = ["mean_deg", "q05_deg", "q95_deg"];
-    let named = FolderTable::read(folder, "angles.csv")?.by_name("name", &columns, times_s.len())?;
+    let mut named = FolderTable::read(folder, "angles.csv")?.by_name("name", &columns, times_s.len())?;
+    for (_, columns) in &mut named {
+        let by: Vec<f64> = turns(columns[0].iter().copied(), TURN_DEG).collect();
+        columns.iter_mut().for_each(|column| column.iter_mut().zip(&by).for_each(|(angle, by)| *angle += by));
+    }
     Ok(assembled(times_s, named, |columns, frame| {
         let [mean, low, high] = [0, 1, 2].map(|column: usize| columns[column][frame]);
         Estimate { mean: [mean], sd: [0.5 * (high - low) / HALF_OF_90], sd_within: [f64::NAN] }
