@@ -24,10 +24,8 @@ use sinew_formats::{camera_name, mask, picture};
 use sinew_input::Error as InputError;
 use sinew_observe::RgbImage;
 use sinew_observe::silhouettes::background::{Background, Config};
-use sinew_observe::silhouettes::bit_image::BitImage;
 use sinew_observe::silhouettes::cleaning::{large_parts, median};
-use sinew_results::claim;
-use std::fs;
+use sinew_results::{Staged, claim};
 use std::path::{Path, PathBuf};
 
 /// Share of the image below which a part is no person, however large the others are: 260 pixels of 540 x 960.
@@ -102,6 +100,7 @@ pub fn segment(
         done += 1;
         progress(done, total);
     };
+    let staged = claim.staged()?;
     let mut made = Masks { cameras: Vec::new(), warnings: Vec::new() };
     for (camera, background) in &pairs {
         let background = learned(&camera.camera, background, &mut step)?;
@@ -112,10 +111,9 @@ pub fn segment(
                 background.images()
             ));
         }
-        let folder = claim.folder().join(&camera.camera);
-        emptied(&folder)?;
-        made.cameras.push(masks(camera, &background, request, &folder, &mut made.warnings, &mut step)?);
+        made.cameras.push(masks(camera, &background, request, &staged, &mut made.warnings, &mut step)?);
     }
+    staged.finish(|name| name.ends_with(".png") && name.contains('/'))?;
     Ok(made)
 }
 
@@ -195,23 +193,11 @@ fn learned(camera: &str, files: &[&CameraFiles], step: &mut impl FnMut()) -> Res
     Ok(learned.unwrap_or_default())
 }
 
-/// The folder of a camera's masks, without earlier ones.
-fn emptied(folder: &Path) -> Result<(), Error> {
-    fs::create_dir_all(folder).map_err(sinew::Error::io("create", folder))?;
-    for entry in fs::read_dir(folder).map_err(sinew::Error::io("read", folder))? {
-        let path = entry.map_err(sinew::Error::io("read", folder))?.path();
-        if path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
-            fs::remove_file(&path).map_err(sinew::Error::io("remove", &path))?;
-        }
-    }
-    Ok(())
-}
-
 fn masks(
     camera: &CameraFiles,
     background: &Background,
     request: &SegmentRequest,
-    folder: &Path,
+    staged: &Staged<'_>,
     warnings: &mut Vec<String>,
     step: &mut impl FnMut(),
 ) -> Result<CameraMasks, Error> {
@@ -224,7 +210,10 @@ fn masks(
             .foreground(&image, &request.config)
             .map_err(|_| other_size(&camera.camera, &name, &image, background))?;
         let mask = large_parts(&median(&raw), request.least_part, least_pixels);
-        write(&folder.join(format!("{number:06}.png")), &mask)?;
+        let mut bytes = Vec::new();
+        let name = format!("{}/{number:06}.png", camera.camera);
+        mask::write(&mut bytes, &mask).map_err(sinew::Error::io("write", &name))?;
+        staged.write(&name, &bytes)?;
         let share = mask.count() as f64 / pixels as f64;
         if share == 0.0 {
             empty.add(number);
@@ -250,13 +239,4 @@ fn masks(
     }));
     let mean_share = shares / (masks as f64).max(1.0);
     Ok(CameraMasks { name, background_images: background.images(), masks, mean_share })
-}
-
-/// Writes a mask beside its place, and renames it once it is whole.
-fn write(path: &Path, mask: &BitImage) -> Result<(), sinew::Error> {
-    let partial = path.with_extension("partial");
-    let mut bytes = Vec::new();
-    mask::write(&mut bytes, mask).map_err(sinew::Error::io("write", path))?;
-    fs::write(&partial, bytes).map_err(sinew::Error::io("write", &partial))?;
-    fs::rename(&partial, path).map_err(sinew::Error::io("write", path))
 }

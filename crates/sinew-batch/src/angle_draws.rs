@@ -12,13 +12,14 @@ use sinew::body::KinematicTree;
 use sinew::formats::source_text::{MAX_CONFIG_BYTES, MAX_TEXT_BYTES, decode};
 use sinew::setup::Setup;
 use sinew_results::stored_array::stored_array_in;
-use sinew_results::{Storage, read_stored};
+use sinew_results::{Storage, own_place, read_stored};
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Name of the table in a result folder.
-pub(super) const ANGLE_DRAWS: &str = "angle_draws.csv";
+pub(super) const ANGLE_DRAWS: &str = sinew_results::ANGLE_DRAWS_NAME;
 
 /// Heads of its columns.
 const HEADS: &str = "name,draw,mean_deg,range_deg\n";
@@ -37,11 +38,11 @@ pub(super) struct AngleOverTime {
 /// # Errors
 /// Files of the folder that cannot be read, and of the disk.
 pub(super) fn write_angle_draws(
-    storage: &dyn Storage,
+    storage: &Arc<dyn Storage>,
     folder: &Path,
     body: Option<&KinematicTree>,
 ) -> Result<(), Error> {
-    let Some(angles) = angles_over_time(storage, folder, body)? else { return Ok(()) };
+    let Some(angles) = angles_over_time(&**storage, folder, body)? else { return Ok(()) };
     let mut text = HEADS.to_owned();
     for (name, AngleOverTime { mean_deg, range_deg }) in &angles {
         for (draw, mean) in mean_deg.iter().enumerate() {
@@ -49,7 +50,7 @@ pub(super) fn write_angle_draws(
             let _ = writeln!(text, "{name},{draw},{mean:.6},{range}");
         }
     }
-    let path = folder.join(ANGLE_DRAWS);
+    let path = own_place(storage, folder, ANGLE_DRAWS)?;
     let written = storage.create(&path).and_then(|mut file| file.write_all(text.as_bytes()));
     Ok(written.map_err(sinew::Error::io("write", path))?)
 }

@@ -12,10 +12,11 @@ use serde_json::Value;
 use sinew::files::read_text;
 use sinew::formats::json_text;
 use sinew::formats::source_text::{MAX_TEXT_BYTES, decode};
-use sinew_results::write_whole;
+use sinew_results::{Disk, Occupied, Storage, add_own, is_own, place, write_whole};
 use std::fs;
 use std::path::Path;
 use std::str::FromStr;
+use std::sync::Arc;
 
 /// By what trials are put into groups.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -57,11 +58,19 @@ impl FromStr for GroupBy {
     }
 }
 
-/// Gathers a study.
+/// Files that it writes.
+const NAMES: [&str; 3] = ["summary.csv", "groups.csv", "report.html"];
+
+/// Gathers a study; files of others are replaced only if `force` says so.
 ///
 /// # Errors
-/// A study or results of it that cannot be read; errors of the disk.
-pub fn gather(study: &Path, by: GroupBy) -> Result<Gathered, Error> {
+/// A study or results of it that cannot be read; files of others in the way; errors of the disk.
+pub fn gather(study: &Path, by: GroupBy, force: bool) -> Result<Gathered, Error> {
+    let is_in_the_way = |name: &&str| !force && study.join(name).exists() && !is_own(study, name);
+    if let Some(name) = NAMES.into_iter().find(is_in_the_way) {
+        let (path, found) = (study.join(name), Occupied::File);
+        return Err(sinew_results::Error::OutputExists { path, found }.into());
+    }
     let (plan, tasks) = read(study)?;
     let known = ended(study)?;
     let (mut rows, mut groups, mut gathered) = (vec![], Groups::default(), Gathered::default());
@@ -83,9 +92,11 @@ pub fn gather(study: &Path, by: GroupBy) -> Result<Gathered, Error> {
         }
     }
     let statistics = groups.statistics();
-    write_whole(&study.join("summary.csv"), table(&rows).as_bytes())?;
-    write_whole(&study.join("groups.csv"), to_csv(&statistics).as_bytes())?;
-    write_whole(&study.join("report.html"), page(&plan, &gathered, &rows, &statistics).as_bytes())?;
+    let texts = [table(&rows), to_csv(&statistics), page(&plan, &gathered, &rows, &statistics)];
+    add_own(&(Arc::new(Disk) as Arc<dyn Storage>), study, &NAMES)?;
+    for (name, text) in NAMES.iter().zip(texts) {
+        write_whole(&place(study, name)?, text.as_bytes())?;
+    }
     Ok(gathered)
 }
 

@@ -7,6 +7,7 @@ use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use sinew::files::read_bytes;
 use sinew::formats::source_text::MAX_TEXT_BYTES;
+use sinew_results::place;
 use std::collections::HashMap;
 use std::fs::{self, File, TryLockError};
 use std::io::{Seek as _, SeekFrom, Write as _};
@@ -91,7 +92,7 @@ impl Ledger {
     pub fn open(study: &Path, shard: Shard) -> Result<Self, Error> {
         let folder = study.join(LEDGERS);
         fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;
-        let path = folder.join(format!("{}-of-{}.jsonl", shard.index, shard.count));
+        let path = place(&folder, format!("{}-of-{}.jsonl", shard.index, shard.count))?;
         let failed = |error| sinew::Error::io("write", &path)(error);
         let mut file = File::options().read(true).append(true).create(true).open(&path).map_err(failed)?;
         let in_use = |shard: Shard| Error::ShardInUse { shard: shard.to_string(), study: study.into() };
@@ -158,9 +159,14 @@ fn ledgers(folder: &Path) -> Result<Vec<(Option<Shard>, PathBuf)>, Error> {
     Ok(files.into_iter().map(|path| (shard(&path), path)).collect())
 }
 
+/// Name of the results of a trial among those of a study.
+pub(super) fn results_name(trial: &str) -> &str {
+    if trial == "." { OF_ROOT } else { trial }
+}
+
 /// Folder of the results of a trial in a study.
 pub(super) fn results_folder(study: &Path, trial: &str) -> PathBuf {
-    study.join(RESULTS).join(if trial == "." { OF_ROOT } else { trial })
+    study.join(RESULTS).join(results_name(trial))
 }
 
 /// Whether the summary of results is a whole document: a disk that was full or a copy that was stopped leaves the beginning, or nothing.

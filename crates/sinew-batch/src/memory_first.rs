@@ -197,6 +197,15 @@ impl Storage for MemoryFirst {
         Disk.remove(path)
     }
 
+    fn files_below(&self, folder: &Path) -> io::Result<Vec<PathBuf>> {
+        let mut files = self.in_memory();
+        files.retain(|file| file.starts_with(folder));
+        if folder.exists() {
+            files.extend(Disk.files_below(folder)?);
+        }
+        Ok(files)
+    }
+
     fn is_temporary(&self) -> bool {
         true
     }

@@ -7,6 +7,7 @@ use super::plan::read;
 use super::scratch::Scratch;
 use super::shard::Shard;
 use crate::Error;
+use sinew_results::{LIST_NAME, claim, place};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Seek, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
@@ -44,9 +45,9 @@ impl Archive {
         kept: impl Iterator<Item = &'a EndedTask>,
     ) -> Result<Self, Error> {
         let name = format!("{ARCHIVES}/{}-of-{}.tar", shard.index, shard.count);
-        let path = study.join(&name);
         let folder = study.join(ARCHIVES);
         fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;
+        let path = place(&folder, format!("{}-of-{}.tar", shard.index, shard.count))?;
         let failed = |error| sinew::Error::io("write", &path)(error);
         let file = File::options().read(true).write(true).create(true).truncate(false).open(&path).map_err(failed)?;
         let own = kept.filter_map(|task| task.packed.as_ref()).filter(|packed| packed.archive == name);
@@ -162,22 +163,26 @@ pub(super) fn inside<'a>(trial: &str, name: &'a str) -> &'a str {
     name.strip_prefix(folder).map_or(name, |name| name.trim_start_matches('/'))
 }
 
-/// Takes all results of a trial out of a study into a folder.
+/// Takes all results of a trial out of a study into a folder, which may hold results only if `force` says so.
 ///
 /// # Errors
-/// [`Error::NotAStudy`], [`Error::NotPacked`]; errors of the disk.
-pub fn unpack(study: &Path, trial: &str, out: &Path) -> Result<(), Error> {
+/// [`Error::NotAStudy`], [`Error::NotPacked`]; a folder that cannot be claimed; an archive with names that lead out of the folder; files of others in the way; errors of the disk.
+pub fn unpack(study: &Path, trial: &str, out: &Path, force: bool) -> Result<(), Error> {
     read(study)?;
     let known = ended(study)?;
     let packed = known.get(trial).and_then(|line| line.packed.as_ref());
     let packed = packed.ok_or_else(|| Error::NotPacked { study: study.to_owned(), trial: trial.to_owned() })?;
-    for (name, bytes) in unpacked(study, packed, |_| true)? {
-        let path = out.join(inside(trial, &name));
-        let folder = path.parent().unwrap_or(out);
-        fs::create_dir_all(folder).map_err(sinew::Error::io("create", folder))?;
-        fs::write(&path, bytes).map_err(sinew::Error::io("write", &path))?;
+    let files = unpacked(study, packed, |_| true)?;
+    let claim = claim(out, &[], force)?;
+    let staged = claim.staged()?;
+    for (name, bytes) in &files {
+        let name = inside(trial, name);
+        // The folder has a list of its own.
+        if name != LIST_NAME {
+            staged.write(name, bytes)?;
+        }
     }
-    Ok(())
+    Ok(staged.finish(|_| true)?)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 //!
 //! Of text files the hash is over their content; of images, masks and films over names, sizes and times of change, since reading them all takes as long as tracking. Results and studies among the inputs do not count.
 
+use super::submit::SUBMIT_NAMES;
 use super::trials::{self, FoundTrial, TASKS, is_output};
 use crate::Error;
 use serde::{Deserialize, Serialize};
@@ -9,7 +10,7 @@ use sinew::config::common::{ANY_SIZE, BODY, CAMERAS, CONFIDENCE_SCALE, FPS, IMAG
 use sinew::config::{Resolved, TrackConfig};
 use sinew::files::{FNV_START, fnv, open, read_bytes, read_text};
 use sinew_input::folder_contents::is_video;
-use sinew_results::write_whole;
+use sinew_results::{place, write_whole};
 use std::collections::{BTreeMap, HashSet};
 use std::fs;
 use std::io::Read as _;
@@ -242,6 +243,9 @@ fn folded(hash: u64, path: &Path, seen: &mut HashSet<PathBuf>) -> Result<u64, Er
     }
 }
 
+/// Files of a study that a plan writes.
+pub const PLAN_NAMES: [&str; 5] = [PLAN, TASKS, SUBMIT_NAMES[0], SUBMIT_NAMES[1], SUBMIT_NAMES[2]];
+
 /// Writes a plan into the folder of a study.
 ///
 /// # Errors
@@ -249,10 +253,10 @@ fn folded(hash: u64, path: &Path, seen: &mut HashSet<PathBuf>) -> Result<u64, Er
 pub fn write(study: &Path, plan: &StudyPlan, tasks: &[Task]) -> Result<(), Error> {
     fs::create_dir_all(study).map_err(sinew::Error::io("create", study))?;
     let lines: String = tasks.iter().map(|task| serde_json::to_string(task).unwrap_or_default() + "\n").collect();
-    write_whole(&study.join(TASKS), lines.as_bytes())?;
+    write_whole(&place(study, TASKS)?, lines.as_bytes())?;
     let counted = StudyPlan { trials: Some(tasks.len()), ..plan.clone() };
     let text = serde_json::to_string_pretty(&counted).unwrap_or_default() + "\n";
-    Ok(write_whole(&study.join(PLAN), text.as_bytes())?)
+    Ok(write_whole(&place(study, PLAN)?, text.as_bytes())?)
 }
 
 /// The plan of a study, and its tasks.

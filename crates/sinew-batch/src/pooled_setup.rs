@@ -20,7 +20,7 @@ use sinew::setup::KnownSetup;
 use sinew::setup::shared_cameras::{CameraInformation, SharedCameras};
 use sinew::track::job::{self, MadeSetup};
 use sinew_input::flag::flag_with;
-use sinew_results::write_whole;
+use sinew_results::{place, write_whole};
 use std::collections::{BTreeSet, HashMap, VecDeque};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -76,7 +76,7 @@ impl PooledSetups {
     /// [`Error::UnlikeTrials`]; errors of the recordings and the set-up; an interrupt.
     pub(super) fn of(&self, study: &Shared<'_>, pool: &str, listener: &dyn Listener) -> Result<PooledSetup, Error> {
         let name = format!("{pool}.toml");
-        let path = self.folder.join(&name);
+        let path = place(&self.folder, &name)?;
         let turn = self.turn(&name);
         let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
         if !path.is_file() {
@@ -137,7 +137,7 @@ impl PooledSetups {
         listener: &dyn Listener,
     ) -> Result<Option<CameraInformation>, Error> {
         let name = format!("{pool}.cameras.json");
-        let path = self.folder.join(&name);
+        let path = place(&self.folder, &name)?;
         let turn = self.turn(&name);
         let _turn = turn.lock().unwrap_or_else(PoisonError::into_inner);
         if !path.is_file() {
@@ -162,7 +162,7 @@ impl PooledSetups {
     /// Writes a file that others see when it is whole.
     fn write(&self, name: &str, bytes: &[u8]) -> Result<(), Error> {
         fs::create_dir_all(&self.own).map_err(sinew::Error::io("create", &self.own))?;
-        let (own, path) = (self.own.join(name), self.folder.join(name));
+        let (own, path) = (place(&self.own, name)?, place(&self.folder, name)?);
         write_whole(&own, bytes)?;
         fs::rename(&own, &path).map_err(sinew::Error::io("write", &path))?;
         // Another may lie in it; then it stays.

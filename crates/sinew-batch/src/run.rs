@@ -4,7 +4,7 @@
 
 use super::angle_draws::write_angle_draws;
 use super::keeping::{Ended, Keeping};
-use super::ledger::{EndedTask, Ledger, TaskEnd, ended, results_folder};
+use super::ledger::{EndedTask, Ledger, TaskEnd, RESULTS, ended, results_name};
 use super::packed::Archive;
 use super::plan::{Share, StudyPlan, Task, read};
 use super::pooled_setup::{PooledSetups, Shared};
@@ -20,7 +20,7 @@ use sinew::run::resume::is_stopped;
 use sinew::run::threads::{beside_each_other, pool};
 use sinew::run::{CameTo, Request, track};
 use sinew_results::problem::Problem;
-use sinew_results::{Storage, UnsyncedDisk, read_stored};
+use sinew_results::{Storage, UnsyncedDisk, place, read_stored};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 use std::sync::Arc;
@@ -170,7 +170,8 @@ impl Study<'_> {
             return Ok(Some((failed(3, problem.clone()), None)));
         }
         if !self.plan.packed {
-            let ending = self.tracked_into(task, &results_folder(self.folder, &task.trial), Arc::new(UnsyncedDisk))?;
+            let folder = place(&self.folder.join(RESULTS), results_name(&task.trial))?;
+            let ending = self.tracked_into(task, &folder, Arc::new(UnsyncedDisk))?;
             return Ok(ending.map(|ending| (ending, None)));
         }
         let scratch = Scratch::new()?;
@@ -211,11 +212,11 @@ impl Study<'_> {
             CameTo::One(outcome) if !outcome.summary.complete => None,
             CameTo::Several(summary) if !summary.complete => None,
             CameTo::One(outcome) => {
-                write_angle_draws(&*storage, out, Some(&outcome.body))?;
+                write_angle_draws(&storage, out, Some(&outcome.body))?;
                 ending(&outcome.summary.failed_diagnostics, computing_s(&*storage, out))
             }
             CameTo::Complete(summary) => {
-                write_angle_draws(&*storage, out, shared_body.as_ref())?;
+                write_angle_draws(&storage, out, shared_body.as_ref())?;
                 let failed = summary["failed_diagnostics"].as_array().into_iter().flatten();
                 let failed: Vec<String> = failed.filter_map(Value::as_str).map(str::to_owned).collect();
                 ending(&failed, computing_s(&*storage, out))
@@ -228,7 +229,7 @@ impl Study<'_> {
                 let folders = || summary.people.iter().map(|person| out.join(&person.folder));
                 folders()
                     .filter(|folder| storage.exists(&folder.join("summary.json")))
-                    .try_for_each(|folder| write_angle_draws(&*storage, &folder, shared_body.as_ref()))?;
+                    .try_for_each(|folder| write_angle_draws(&storage, &folder, shared_body.as_ref()))?;
                 ending(&doubts.collect::<Vec<_>>(), folders().map(|folder| computing_s(&*storage, &folder)).sum())
             }
         })

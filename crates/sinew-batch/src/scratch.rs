@@ -55,9 +55,8 @@ impl Scratch {
     /// # Errors
     /// Errors of the disk.
     pub(super) fn files(&self) -> Result<BTreeSet<PathBuf>, Error> {
-        let mut files = BTreeSet::from_iter(self.storage.in_memory());
-        add_files_below(&self.folder, &mut files).map_err(sinew::Error::io("read", &self.folder))?;
-        Ok(files)
+        let files = self.storage.files_below(&self.folder).map_err(sinew::Error::io("read", &self.folder))?;
+        Ok(files.into_iter().collect())
     }
 
     /// Length and content of a file.
@@ -80,15 +79,4 @@ impl Drop for Scratch {
         // What stays is in the system's folder for such things.
         let _ = fs::remove_dir_all(&self.folder);
     }
-}
-
-fn add_files_below(folder: &Path, files: &mut BTreeSet<PathBuf>) -> io::Result<()> {
-    for entry in fs::read_dir(folder)? {
-        let path = entry?.path();
-        match path.is_dir() {
-            true => add_files_below(&path, files)?,
-            false => drop(files.insert(path)),
-        }
-    }
-    Ok(())
 }

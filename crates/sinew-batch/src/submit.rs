@@ -2,12 +2,15 @@
 
 use super::shard::Shard;
 use crate::Error;
-use sinew_results::write_whole;
+use sinew_results::{place, write_whole};
 use std::path::Path;
 
 const SLURM: &str = include_str!("submit.sh");
 const SNAKEMAKE: &str = include_str!("Snakefile");
 const PARALLEL: &str = include_str!("parallel.sh");
+
+/// Their names.
+pub(super) const SUBMIT_NAMES: [&str; 3] = ["submit.sh", "Snakefile", "parallel.sh"];
 
 /// Writes `submit.sh`, `Snakefile` and `parallel.sh` for a number of shards.
 ///
@@ -20,14 +23,13 @@ pub fn write_submit_files(study: &Path, shards: usize) -> Result<(), Error> {
     // A Snakefile is Python, whose strings JSON's are.
     let in_python = serde_json::to_string(&shown).unwrap_or_default();
     let last = Shard { index: shards.saturating_sub(1), count: shards }.index;
-    let files =
-        [("submit.sh", SLURM, &quoted), ("Snakefile", SNAKEMAKE, &in_python), ("parallel.sh", PARALLEL, &quoted)];
-    for (name, template, study_path) in files {
+    let templates = [(SLURM, &quoted), (SNAKEMAKE, &in_python), (PARALLEL, &quoted)];
+    for (name, (template, study_path)) in SUBMIT_NAMES.into_iter().zip(templates) {
         let text = template
             .replace("{STUDY}", study_path)
             .replace("{SHARDS}", &shards.to_string())
             .replace("{LAST}", &last.to_string());
-        write_whole(&study.join(name), text.as_bytes())?;
+        write_whole(&place(study, name)?, text.as_bytes())?;
     }
     Ok(())
 }

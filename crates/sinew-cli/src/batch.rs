@@ -13,20 +13,20 @@ use sinew::config::common::THREADS;
 use sinew::config::{Sources, resolve};
 use sinew::run::threads::wanted;
 use sinew_batch::gather::gather;
-use sinew_batch::plan::{StudyPlan, plan, write};
+use sinew_batch::plan::{PLAN_NAMES, StudyPlan, plan, write};
 use sinew_batch::run::{ShardEnd, run as run_shard};
 use sinew_batch::shard::Shard;
 use sinew_batch::trial_table::Gathered;
 use sinew_batch::{unpack, write_submit_files};
 use sinew_results::Occupied;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Runs the command.
 pub(crate) fn run(what: &BatchCommand, general: &General, report: &Report) -> Result<Ended, Error> {
     match what {
         BatchCommand::Plan(args) => planned(args, general, report),
         BatchCommand::Run(args) => shard(args, general, report),
-        BatchCommand::Gather(args) => gathered(args),
+        BatchCommand::Gather(args) => gathered(args, general),
         BatchCommand::Unpack(args) => unpacked(args, general),
     }
 }
@@ -36,8 +36,10 @@ const NAMED: usize = 5;
 
 fn planned(args: &PlanArgs, general: &General, report: &Report) -> Result<Ended, Error> {
     let study = general.out.as_ref().map(PathBuf::from).ok_or(Error::NoPlace(Written::Study))?;
-    if study.join("plan.json").exists() && !general.force {
-        return Err(sinew_results::Error::OutputExists { path: study.join("plan.json"), found: Occupied::File }.into());
+    if let Some(path) = PLAN_NAMES.map(|name| study.join(name)).into_iter().find(|path| path.exists())
+        && !general.force
+    {
+        return Err(sinew_results::Error::OutputExists { path, found: Occupied::File }.into());
     }
     let tasks = plan(&args.trials, args.share)?;
     let root = std::path::absolute(&args.trials).map_err(sinew::Error::io("read", &args.trials))?;
@@ -121,8 +123,8 @@ fn shard(args: &RunArgs, general: &General, report: &Report) -> Result<Ended, Er
     })
 }
 
-fn gathered(args: &GatherArgs) -> Result<Ended, Error> {
-    let Gathered { counts: [done, doubtful, failed, missing], lacking } = gather(&args.study, args.by)?;
+fn gathered(args: &GatherArgs, general: &General) -> Result<Ended, Error> {
+    let Gathered { counts: [done, doubtful, failed, missing], lacking } = gather(&args.study, args.by, general.force)?;
     if args.answer.json {
         report::answer_json(&json!({
             "done": done, "doubtful": doubtful, "failed": failed, "missing": missing,
@@ -146,10 +148,7 @@ fn gathered(args: &GatherArgs) -> Result<Ended, Error> {
 
 fn unpacked(args: &UnpackArgs, general: &General) -> Result<Ended, Error> {
     let out = general.out.as_ref().map(PathBuf::from).ok_or(Error::NoPlace(Written::Trial))?;
-    if out.exists() && !general.force {
-        return Err(sinew_results::Error::OutputExists { path: out, found: Occupied::Results }.into());
-    }
-    unpack(&args.study, &args.trial, Path::new(&out))?;
+    unpack(&args.study, &args.trial, &out, general.force)?;
     report::answer(&format!("{}\n", out.display()))?;
     Ok(Ended::Done)
 }

@@ -10,9 +10,7 @@ use serde_json::json;
 use sinew_analysis::compare::{
     AlignedWorlds, Alignment, Comparison, ComparisonRequest, LEVELS, as_json, compare, comparison_files,
 };
-use sinew_results::COMPARISON_NAMES;
-use sinew_results::Occupied;
-use sinew_results::write_whole;
+use sinew_results::{COMPARISON_NAMES, Occupied, list_derived, write_whole};
 use std::path::{Path, PathBuf};
 
 /// Runs the command.
@@ -38,6 +36,7 @@ pub(crate) fn run(args: &CompareArgs, general: &General, report: &Report) -> Res
     for (name, text) in files {
         write_whole(&out.join(name), text.as_bytes())?;
     }
+    list_derived(&out, &COMPARISON_NAMES)?;
     report.warnings(&found.warnings);
     if args.answer.json {
         let mut answer = as_json(&found);

@@ -8,13 +8,13 @@ use super::error::Error;
 use super::report::{self, Report};
 use serde_json::json;
 use sinew_motion::convert::{self, ConvertedMotion, Format, rename_bones};
-use sinew_results::Occupied;
-use sinew_results::write_whole;
+use sinew_results::{Occupied, write_whole};
+use std::path::PathBuf;
 
 /// Runs the command.
 pub(crate) fn run(args: &ConvertArgs, general: &General, report: &Report) -> Result<Ended, Error> {
-    if same_file(args) {
-        return Err(sinew::Error::InputIsOutput(args.input.clone()).into());
+    if let Some(input) = replaced_input(args) {
+        return Err(sinew::Error::InputIsOutput(input.clone()).into());
     }
     if let Some(format) = convert_calibration::format(args) {
         check_free(args, general)?;
@@ -64,7 +64,9 @@ fn check_free(args: &ConvertArgs, general: &General) -> Result<(), Error> {
     Ok(())
 }
 
-fn same_file(args: &ConvertArgs) -> bool {
-    let input = args.input.canonicalize();
-    input.is_ok() && input.ok() == args.output.canonicalize().ok()
+/// The file that is read and would be replaced.
+fn replaced_input(args: &ConvertArgs) -> Option<&PathBuf> {
+    let output = args.output.canonicalize().ok()?;
+    let inputs = [Some(&args.input), args.skeleton.as_ref()];
+    inputs.into_iter().flatten().find(|input| input.canonicalize().is_ok_and(|input| input == output))
 }

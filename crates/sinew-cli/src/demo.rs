@@ -10,6 +10,7 @@ use super::args::General;
 use super::ended::Ended;
 use super::error::Error;
 use super::report::{self, Report};
+use super::simulated_files::{CALIBRATION, FOLDERS, TRUTH, is_of_recording};
 use super::table::aligned;
 use super::terminal::Terminal;
 use serde_json::json;
@@ -23,23 +24,16 @@ use sinew::run::listener::watched;
 use sinew::run::threads::{wanted, with_threads};
 use sinew::track::job::{self, Outcome};
 use sinew_report::written_page;
-use sinew_results::LOCK_NAME;
+use sinew_results::{LOCK_NAME, is_incomplete, is_own};
 use sinew_simulate::adult;
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
 /// Default output folder.
 const OUT: &str = "sinew-out/demo";
-
-/// Calibration of the recording.
-const CALIBRATION: &str = "Calib.toml";
-
-/// A file by which a former demo is known.
-const TRUTH: &str = "truth.trc";
 
 /// Runs the command.
 pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<Ended, Error> {
@@ -49,12 +43,13 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
     let resolved = settings(general, &script)?;
     let mut config = resolved.track();
     // A former demo is no loss.
-    config.force |= config.out.join(TRUTH).is_file();
+    config.force |= is_own(&config.out, TRUTH);
     let claim = claimed(&config, &[], &terminal)?;
     let seed = config.seed;
     let script = Script { proportions: adult::drawn(&Stage::new(seed, "walker")), ..script };
     let recording = SyntheticRecording::new(&script, seed).map_err(Error::Demo)?;
-    write_recording(&recording, &config.out)?;
+    let files = recording_files(&recording).map_err(sinew::Error::io("write", config.out.join(TRUTH)))?;
+    claim.refuse_others(files.keys())?;
     let frames = recording.truth.frames.len() as u64;
     let mut source = InMemory {
         cameras: recording.cameras.clone(),
@@ -65,6 +60,16 @@ pub(crate) fn run(answer: Answer, general: &General, report: &Report) -> Result<
         with_threads(wanted(&config), || job::track(&mut source, 0..frames, &resolved, claim, watch, None))
     })?;
     report.warnings(&outcome.summary.warnings);
+    if !outcome.summary.complete && !is_incomplete(&config.out) {
+        report.note("interrupted; the demo that was there is as it was");
+        return Ok(Ended::Interrupted);
+    }
+    config.force = true;
+    let claim = claimed(&config, &[], &terminal)?;
+    let staged = claim.staged()?;
+    files.iter().try_for_each(|(name, bytes)| staged.write(name, bytes))?;
+    staged.finish(is_of_recording)?;
+    drop(claim);
     let request = written_page::with_calibration(&config.out.join(CALIBRATION));
     written_page::write(&config.out, &request, &config.out.join(sinew_results::PAGE_NAME), &terminal)?;
     answer_of(&recording, &outcome, &config.out, answer)?;
@@ -87,24 +92,16 @@ fn settings(general: &General, script: &Script) -> Result<Resolved, Error> {
     Ok(resolve(&Sources { flags, environment: Vec::new(), file: general.config.clone() })?)
 }
 
-/// The recording as files that `sinew track` reads.
-fn write_recording(recording: &SyntheticRecording, out: &Path) -> Result<(), sinew::Error> {
-    let write = |path: &Path, bytes: &[u8]| fs::write(path, bytes).map_err(sinew::Error::io("write", path));
-    let keypoints = out.join("keypoints");
-    if keypoints.exists() {
-        fs::remove_dir_all(&keypoints).map_err(sinew::Error::io("replace", &keypoints))?;
-    }
-    for camera in &recording.cameras {
-        let folder = keypoints.join(format!("{}_json", camera.name));
-        fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;
-    }
-    for (name, text) in recording.keypoint_files() {
-        write(&keypoints.join(name), text.as_bytes())?;
-    }
-    write(&out.join(CALIBRATION), recording.calibration_toml().as_bytes())?;
+/// The recording as files that `sinew track` reads, by name.
+fn recording_files(recording: &SyntheticRecording) -> std::io::Result<BTreeMap<String, Vec<u8>>> {
+    let keypoints = recording.keypoint_files();
+    let mut files: BTreeMap<String, Vec<u8>> =
+        keypoints.into_iter().map(|(name, text)| (format!("{}/{name}", FOLDERS[0]), text.into_bytes())).collect();
+    files.insert(CALIBRATION.into(), recording.calibration_toml().into_bytes());
     let mut truth = Vec::new();
-    recording.write_truth_trc(&mut truth).map_err(sinew::Error::io("write", out.join(TRUTH)))?;
-    write(&out.join(TRUTH), &truth)
+    recording.write_truth_trc(&mut truth)?;
+    files.insert(TRUTH.into(), truth);
+    Ok(files)
 }
 
 /// How near results are to the truth.

@@ -8,9 +8,7 @@ use super::report::{self, Report};
 use super::table::aligned;
 use serde_json::{Map, Value, json};
 use sinew_analysis::gait::{GaitAnalysis, PARAMETERS, ParameterSummary, gait, gait_files, summary};
-use sinew_results::GAIT_NAMES;
-use sinew_results::Occupied;
-use sinew_results::write_whole;
+use sinew_results::{GAIT_NAMES, Occupied, list_derived, write_whole};
 use std::path::{Path, PathBuf};
 
 /// What the times of events are, and what tells contact.
@@ -37,6 +35,7 @@ pub(crate) fn run(args: &GaitArgs, general: &General, report: &Report) -> Result
     for (name, text) in files {
         write_whole(&out.join(name), text.as_bytes())?;
     }
+    list_derived(&out, &GAIT_NAMES)?;
     report.warnings(&found.warnings);
     if args.answer.json {
         report::answer_json(&as_json(&found, &out))?;

@@ -25,6 +25,10 @@ pub(crate) fn run(args: &ReportArgs, general: &General, report: &Report) -> Resu
     if in_results && RESULT_NAMES.iter().any(|name| out.ends_with(name)) {
         return Err(sinew::Error::ResultIsOutput(out).into());
     }
+    let is_out = |input: &&PathBuf| out.canonicalize().is_ok_and(|out| input.canonicalize().is_ok_and(|it| it == out));
+    if let Some(input) = args.calibration.iter().chain(&args.validation).find(is_out) {
+        return Err(sinew::Error::InputIsOutput(input.clone()).into());
+    }
     refuse_other_page(&out, general.force)?;
     let (calibration, validation) = (args.calibration.clone(), args.validation.clone());
     let request = ReportRequest { calibration, validation, ..ReportRequest::default() };
@@ -48,6 +52,7 @@ fn one_each(args: &ReportArgs, general: &General, report: &Report) -> Result<End
     let (mut pages, mut answers) = (vec![], vec![]);
     for folder in person_folders(&args.results).filter(|folder| folder.join("summary.json").is_file()) {
         let out = folder.join(PAGE_NAME);
+        refuse_other_page(&out, general.force)?;
         let (calibration, validation) = (args.calibration.clone(), args.validation.clone());
         let request = ReportRequest { calibration, validation, ..ReportRequest::default() };
         let ReportPage { html, frames, every } = write(&folder, &request, &out, &Terminal { general, report })?;

@@ -6,7 +6,7 @@ use super::error::Error;
 use super::progress::Progress;
 use super::report::{self, Report};
 use super::simulate_crowd;
-use super::simulated_files::{CALIBRATION, FOLDERS, README, TRUTH, WALK_S, cameras, clear, track_command, write};
+use super::simulated_files::{CALIBRATION, FOLDERS, README, TRUTH, WALK_S, cameras, is_of_recording, track_command};
 use super::table::aligned;
 use super::terminal::Terminal;
 use rayon::prelude::*;
@@ -18,13 +18,13 @@ use sinew::formats::{calib_toml, mask, picture};
 use sinew::run::claimed::claimed;
 use sinew::run::threads::{wanted, with_threads};
 use sinew_motion::convert::{RecordedJoints, recorded_joints};
+use sinew_results::Staged;
 use sinew_simulate::detector::{DetectorNoise, STATED_ROWS, detect};
 use sinew_simulate::footage::SyntheticFootage;
 use sinew_simulate::recording::{body_25b, keypoint_files, write_trc};
 use sinew_simulate::ring::{Ring, subject_px_and_extent_m};
 use sinew_simulate::segmentation_noise::Level;
 use sinew_simulate::walker::{Gait, Walker, walker_states};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Default output folder.
@@ -50,20 +50,20 @@ pub(crate) fn run(args: &SimulateArgs, general: &General, report: &Report) -> Re
     let ring = Ring { cameras: args.cameras, image_size_px: args.size.map(f64::from), ..Ring::SMALL_PICTURES };
     let footage = SyntheticFootage::new(motion, args.fps, &ring, config.seed).map_err(Error::Scene)?;
     report.warnings(small_person(&footage, &ring).as_slice());
-    clear(&config.out, &FOLDERS)?;
-    write_points(&footage, config.seed, &config.out)?;
+    let staged = claim.staged()?;
+    write_points(&footage, config.seed, &staged)?;
     let total = footage.frames();
     with_threads(wanted(&config), || {
         let mut progress = Progress::start(general, "simulate", total as u64);
         for frame in 0..total {
-            let write_camera = |camera| write_images(&footage, camera, frame, args, &config.out);
+            let write_camera = |camera| write_images(&footage, camera, frame, args, &staged);
             (0..footage.cameras.len()).into_par_iter().try_for_each(write_camera)?;
             progress.at(frame as u64 + 1);
         }
         Ok::<(), sinew::Error>(())
     })?;
-    // Last: a folder with it is whole.
-    write(&config.out.join(README), readme(args, &config, &footage).as_bytes())?;
+    staged.write(README, readme(args, &config, &footage).as_bytes())?;
+    staged.finish(is_of_recording)?;
     drop(claim);
     answer(args, &config, &footage)?;
     Ok(Ended::Done)
@@ -137,24 +137,18 @@ fn small_person(footage: &SyntheticFootage, ring: &Ring) -> Option<String> {
 }
 
 /// Calibration, keypoints and truth.
-fn write_points(footage: &SyntheticFootage, seed: u64, out: &Path) -> Result<(), sinew::Error> {
+fn write_points(footage: &SyntheticFootage, seed: u64, out: &Staged<'_>) -> Result<(), sinew::Error> {
     let rows = footage.cameras.first().map_or(STATED_ROWS, |camera| camera.image_size_px[1]);
     let noise = DetectorNoise::DETECTOR_LIKE.in_rows(rows);
     let stage = Stage::new(seed, "synthetic recording");
     let found = detect(&footage.motion, &body_25b(), (&footage.cameras, &[]), &noise, stage);
-    let keypoints = out.join(FOLDERS[0]);
-    for camera in &footage.cameras {
-        let folder = keypoints.join(format!("{}_json", camera.name));
-        fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;
-    }
     for (name, text) in keypoint_files(&footage.cameras, &found.keypoints) {
-        write(&keypoints.join(name), text.as_bytes())?;
+        out.write(&format!("{}/{name}", FOLDERS[0]), text.as_bytes())?;
     }
-    write(&out.join(CALIBRATION), calib_toml::write(&footage.cameras).as_bytes())?;
+    out.write(CALIBRATION, calib_toml::write(&footage.cameras).as_bytes())?;
     let mut truth = Vec::new();
-    let path = out.join(TRUTH);
-    write_trc(&mut truth, TRUTH, &footage.motion, footage.rate_hz).map_err(sinew::Error::io("write", &path))?;
-    write(&path, &truth)
+    write_trc(&mut truth, TRUTH, &footage.motion, footage.rate_hz).map_err(sinew::Error::io("write", TRUTH))?;
+    Ok(out.write(TRUTH, &truth)?)
 }
 
 /// Mask and picture of a camera in a frame.
@@ -163,21 +157,21 @@ fn write_images(
     camera: usize,
     frame: usize,
     args: &SimulateArgs,
-    out: &Path,
+    out: &Staged<'_>,
 ) -> Result<(), sinew::Error> {
     let name = format!("{}_{frame:04}.png", footage.cameras[camera].name);
-    let path = out.join(FOLDERS[1]).join(&name);
+    let path = format!("{}/{name}", FOLDERS[1]);
     let level = Level::named(&args.segmentation).unwrap_or_default();
     let silhouette = footage.mask(camera, frame, level);
     let mut bytes = Vec::new();
     mask::write(&mut bytes, &silhouette).map_err(sinew::Error::io("write", &path))?;
-    write(&path, &bytes)?;
+    out.write(&path, &bytes)?;
     if args.images.0.is_some_and(|every| frame.is_multiple_of(every)) {
-        let path = out.join(FOLDERS[2]).join(&name);
+        let path = format!("{}/{name}", FOLDERS[2]);
         let seen = footage.picture(camera, frame);
         bytes.clear();
         picture::write_png(&mut bytes, &seen).map_err(sinew::Error::io("write", &path))?;
-        write(&path, &bytes)?;
+        out.write(&path, &bytes)?;
     }
     Ok(())
 }

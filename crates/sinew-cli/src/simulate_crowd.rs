@@ -6,7 +6,7 @@ use super::args::{General, SimulateArgs};
 use super::ended::Ended;
 use super::error::Error;
 use super::report::{self, Report};
-use super::simulated_files::{CALIBRATION, FOLDERS, README, WALK_S, cameras, clear, track_command, write};
+use super::simulated_files::{CALIBRATION, FOLDERS, README, WALK_S, cameras, is_of_recording, track_command};
 use super::table::aligned;
 use super::terminal::Terminal;
 use serde_json::json;
@@ -18,7 +18,6 @@ use sinew_simulate::crowd::{Crowd, CrowdNoise, CrowdRecording};
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::write_trc;
 use sinew_simulate::ring::Ring;
-use std::fs;
 use std::path::Path;
 
 /// Runs the command for several people.
@@ -42,23 +41,19 @@ pub(crate) fn run(
     };
     let seed = config.seed;
     let recording = CrowdRecording::new(&crowd, seed).map_err(Error::Scene)?;
-    clear(&config.out, &FOLDERS[..1])?;
-    for camera in &recording.cameras {
-        let folder = config.out.join(FOLDERS[0]).join(format!("{}_json", camera.name));
-        fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;
-    }
+    let staged = claim.staged()?;
     for (name, text) in recording.keypoint_files() {
-        write(&config.out.join(FOLDERS[0]).join(name), text.as_bytes())?;
+        staged.write(&format!("{}/{name}", FOLDERS[0]), text.as_bytes())?;
     }
-    write(&config.out.join(CALIBRATION), calib_toml::write(&recording.cameras).as_bytes())?;
+    staged.write(CALIBRATION, calib_toml::write(&recording.cameras).as_bytes())?;
     for (person, truth) in (1..).zip(&recording.truth) {
         let name = truth_name(person);
         let mut bytes = vec![];
-        let path = config.out.join(&name);
-        write_trc(&mut bytes, &name, truth, args.fps).map_err(sinew::Error::io("write", &path))?;
-        write(&path, &bytes)?;
+        write_trc(&mut bytes, &name, truth, args.fps).map_err(sinew::Error::io("write", &name))?;
+        staged.write(&name, &bytes)?;
     }
-    write(&config.out.join(README), readme(args, &config.out, seed).as_bytes())?;
+    staged.write(README, readme(args, &config.out, seed).as_bytes())?;
+    staged.finish(is_of_recording)?;
     drop(claim);
     let frames = recording.truth.first().map_or(0, |one| one.frames.len());
     let out = config.out.display().to_string();

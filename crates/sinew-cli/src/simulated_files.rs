@@ -1,8 +1,5 @@
 //! What a simulated recording consists of: its files and folders, and the command that tracks it.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-
 /// Duration of a walk, seconds.
 pub(crate) const WALK_S: f64 = 4.0;
 /// Folders of the recording.
@@ -11,32 +8,10 @@ pub(crate) const TRUTH: &str = "truth.trc";
 pub(crate) const CALIBRATION: &str = "Calib.toml";
 pub(crate) const README: &str = "README.txt";
 
-/// Writes a file.
-pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), sinew::Error> {
-    fs::write(path, bytes).map_err(sinew::Error::io("write", path))
-}
-
-/// Takes away what a former run wrote here, and makes the folders that this one fills.
-pub(crate) fn clear(out: &Path, filled: &[&str]) -> Result<(), sinew::Error> {
-    for path in [README, TRUTH, CALIBRATION].map(|name| out.join(name)) {
-        if path.exists() {
-            fs::remove_file(&path).map_err(sinew::Error::io("replace", &path))?;
-        }
-    }
-    let is_truth = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("truth_"));
-    let entries = fs::read_dir(out).map_err(sinew::Error::io("read", out))?;
-    for path in entries.flatten().map(|entry| entry.path()).filter(is_truth) {
-        fs::remove_file(&path).map_err(sinew::Error::io("replace", &path))?;
-    }
-    for path in FOLDERS.map(|name| out.join(name)) {
-        if path.exists() {
-            fs::remove_dir_all(&path).map_err(sinew::Error::io("replace", &path))?;
-        }
-    }
-    for path in filled.iter().map(|name| out.join(name)) {
-        fs::create_dir_all(&path).map_err(sinew::Error::io("create", &path))?;
-    }
-    Ok(())
+/// Whether a file of a folder belongs to a recording that an earlier run left, and goes when there is a new one.
+pub(crate) fn is_of_recording(name: &str) -> bool {
+    let in_folder = name.split_once('/').is_some_and(|(folder, _)| FOLDERS.contains(&folder));
+    in_folder || [README, TRUTH, CALIBRATION].contains(&name) || (name.starts_with("truth_") && name.ends_with(".trc"))
 }
 
 /// A number of cameras, in words.

@@ -12,8 +12,8 @@ use sinew::run::settings::{settings, with_stated_rate};
 use sinew::run::{CameTo, Request, calibration, how_to_resume};
 use sinew::track::job::Outcome;
 use sinew_report::written_page::write_for_run;
-use sinew_results::Summary;
 use sinew_results::people::{PeopleSummary, PersonTracked};
+use sinew_results::{Summary, is_incomplete};
 use std::path::Path;
 
 /// Runs the command.
@@ -69,13 +69,17 @@ fn one_person(outcome: &Outcome, out: &Path, args: &TrackArgs, report: &Report) 
         report::answer(&table(outcome, out))?;
     }
     if !complete {
-        return Ok(interrupted(report));
+        return Ok(interrupted(out, report));
     }
     Ok(doubts(failed_diagnostics, report))
 }
 
-fn interrupted(report: &Report) -> Ended {
-    report.note(&format!("interrupted; what was done is written and marked incomplete; {}", how_to_resume()));
+fn interrupted(out: &Path, report: &Report) -> Ended {
+    let became = match is_incomplete(out) {
+        true => "what was done is written and marked incomplete",
+        false => "the results that were there are as they were, and what was done is beside them",
+    };
+    report.note(&format!("interrupted; {became}; {}", how_to_resume()));
     Ended::Interrupted
 }
 
@@ -125,7 +129,7 @@ fn several_people(summary: &PeopleSummary, out: &Path, args: &TrackArgs, report:
         report::answer(&people_table(summary, out))?;
     }
     if !summary.complete {
-        return Ok(interrupted(report));
+        return Ok(interrupted(out, report));
     }
     for person in &summary.people {
         let number = person.person;

@@ -16,9 +16,11 @@ use sinew::run::settings::{settings, with_stated_rate};
 use sinew::run::whom::{Whom, looked_for};
 use sinew::run::{calibration, read_from, track_alone};
 use sinew_analysis::validate::{LEVELS, LeftOut, left_out, sentence, to_csv, to_svg, together};
-use sinew_results::Summary;
-use sinew_results::write_whole;
+use sinew_results::{Occupied, Summary, write_whole};
 use std::path::Path;
+
+/// Files of the command, beside the runs without a camera.
+const FILES: [&str; 2] = ["validation.csv", "reliability.svg"];
 
 /// Runs the command.
 pub(crate) fn run(args: &ValidateArgs, general: &General, report: &Report) -> Result<Ended, Error> {
@@ -36,11 +38,16 @@ pub(crate) fn run(args: &ValidateArgs, general: &General, report: &Report) -> Re
     if config.setup.is_some() {
         return Err(Error::SetupToValidate);
     }
+    if let Some(path) = FILES.map(|name| config.out.join(name)).into_iter().find(|path| path.exists())
+        && !config.force
+    {
+        return Err(sinew_results::Error::OutputExists { path, found: Occupied::File }.into());
+    }
     let chosen = chosen(&resolved, &calibration, general, report)?;
     let (mut found, mut said): (Vec<LeftOut>, Said) = (vec![], Said::default());
     for (place, camera) in cameras.iter().enumerate() {
         let others: Vec<&str> = cameras.iter().filter(|other| *other != camera).map(String::as_str).collect();
-        let folder = config.out.join(format!("without_{camera}"));
+        let folder = sinew_results::place(&config.out, format!("without_{camera}"))?;
         let run = resolved.clone().with_flag(&CAMERAS, &others.join(","))?.into_folder(&folder);
         report.detail(&format!("without {camera}"));
         let chosen = chosen.as_ref().map(|(roll, person)| (roll.without_view(place), *person));
@@ -54,8 +61,8 @@ pub(crate) fn run(args: &ValidateArgs, general: &General, report: &Report) -> Re
         said.add(camera, &outcome.summary);
         found.push(held_against(&config, &calibration, &keypoints, camera, &folder)?);
     }
-    write_whole(&config.out.join("validation.csv"), to_csv(&found).as_bytes())?;
-    write_whole(&config.out.join("reliability.svg"), to_svg(&found).as_bytes())?;
+    write_whole(&config.out.join(FILES[0]), to_csv(&found).as_bytes())?;
+    write_whole(&config.out.join(FILES[1]), to_svg(&found).as_bytes())?;
     report.warnings(&Said::by_run(&said.warnings));
     answer(&found, args, &config.out)?;
     Said::by_run(&said.failed).iter().for_each(|failed| report.failed(failed));

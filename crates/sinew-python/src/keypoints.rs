@@ -11,7 +11,7 @@ use sinew::formats::{calibration, camera_name, layout};
 use sinew::input::recording::keypoint_camera::KeypointCamera;
 use sinew::input::recording::keypoint_sources::{layout as stated_layout, sources, stated_rate};
 use sinew::observe::Camera;
-use sinew_results::write_whole;
+use sinew_results::{place, write_whole};
 use std::path::{Path, PathBuf};
 
 /// Names of the points, where they are known.
@@ -119,7 +119,7 @@ pub(crate) fn write_keypoints(
     let values = given.values()?;
     detached(py, || {
         for camera in &cameras {
-            let folder = folder.join(format!("{camera}_json"));
+            let folder = place(&folder, format!("{camera}_json"))?;
             std::fs::create_dir_all(&folder).map_err(sinew::Error::io("create", &folder))?;
         }
         for (index, people_there) in values.chunks((people * points * 3).max(1)).enumerate() {
@@ -130,7 +130,7 @@ pub(crate) fn write_keypoints(
             };
             let people = people_there.chunks((points * 3).max(1)).enumerate().map(person);
             let seen: Vec<_> = people.filter(|person| person.keypoints.iter().any(Option::is_some)).collect();
-            let path = folder.join(format!("{camera}_json")).join(format!("{camera}.{number:06}.json"));
+            let path = place(&folder, format!("{camera}_json/{camera}.{number:06}.json"))?;
             write_whole(&path, openpose::write(&seen).as_bytes())?;
         }
         Ok(())

@@ -27,7 +27,6 @@ use sinew_observe::{Camera, Lens, RgbImage};
 use sinew_results::claim;
 use sinew_results::tracked::{self, Tracked};
 use sinew_setup::posed_body::pose;
-use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -356,17 +355,19 @@ pub fn overlay(
         Ground::Black => None,
     };
     let claim = claim(out, &tracked::inputs(results, &request.calibration, images), force)?;
-    clear(claim.folder(), &cameras)?;
+    let staged = claim.staged()?;
     let mut drawn = Drawn::default();
     let total = chosen.len() as u64;
     for (done, number) in chosen.into_iter().enumerate() {
         let mut pictures = source.frame(number)?;
         drawers.iter().for_each(|drawer| drawer.draw(number, &mut pictures));
-        let written = pictures.par_iter().zip(&cameras).map(|(picture, camera)| {
+        let written = pictures.par_iter().zip(&cameras).map(|(picture, camera)| -> Result<u64, Error> {
             let Some(picture) = picture else { return Ok(0) };
-            write(&claim.folder().join(format!("{}_{number:06}.png", camera.name)), picture).map(|()| 1)
+            let (name, mut bytes) = (format!("{}_{number:06}.png", camera.name), Vec::new());
+            picture::write_png(&mut bytes, picture).map_err(sinew::Error::io("write", &name))?;
+            Ok(staged.write(&name, &bytes).map(|()| 1)?)
         });
-        let written: u64 = written.collect::<Result<Vec<u64>, sinew::Error>>()?.into_iter().sum();
+        let written: u64 = written.collect::<Result<Vec<u64>, Error>>()?.into_iter().sum();
         drawn.pictures += written;
         drawn.lacking += cameras.len() as u64 - written;
         progress(done as u64 + 1, total);
@@ -375,32 +376,13 @@ pub fn overlay(
     if drawn.pictures == 0 {
         return Err(OverlayError::NoImages.into());
     }
+    staged.finish(is_picture)?;
     Ok(drawn)
 }
 
-/// Takes away what a former call wrote here.
-fn clear(folder: &Path, cameras: &[Camera]) -> Result<(), Error> {
-    for entry in fs::read_dir(folder).map_err(sinew::Error::io("read", folder))? {
-        let path = entry.map_err(sinew::Error::io("read", folder))?.path();
-        let name = path.file_name().and_then(|name| name.to_str()).and_then(|name| name.strip_suffix(".png"));
-        let is_ours = |camera: &Camera| {
-            let number = name.and_then(|name| name.strip_prefix(&camera.name)?.strip_prefix('_'));
-            number.is_some_and(|number| number.len() >= 6 && number.bytes().all(|byte| byte.is_ascii_digit()))
-        };
-        if cameras.iter().any(is_ours) {
-            fs::remove_file(&path).map_err(sinew::Error::io("remove", &path))?;
-        }
-    }
-    Ok(())
-}
-
-/// Writes a picture beside its place, and renames it once it is whole.
-fn write(path: &Path, image: &RgbImage) -> Result<(), sinew::Error> {
-    let partial = path.with_extension("partial");
-    let mut bytes = Vec::new();
-    picture::write_png(&mut bytes, image).map_err(sinew::Error::io("write", path))?;
-    fs::write(&partial, bytes).map_err(sinew::Error::io("write", &partial))?;
-    fs::rename(&partial, path).map_err(sinew::Error::io("write", path))
+/// Whether a file is a picture that an earlier call wrote into its folder.
+fn is_picture(name: &str) -> bool {
+    name.ends_with(".png") && !name.contains('/')
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use sinew_formats::json_text;
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_input::files::read_text;
 use sinew_results::people::{is_of_several, person_folders};
-use sinew_results::{PAGE_NAME, write_whole};
+use sinew_results::{PAGE_NAME, list_derived, write_whole};
 use std::path::Path;
 
 /// Writes the page of a result folder.
@@ -22,6 +22,9 @@ pub fn write(
 ) -> Result<ReportPage, Error> {
     let written = page(results, request)?;
     write_whole(out, written.html.as_bytes())?;
+    if *out == results.join(PAGE_NAME) {
+        list_derived(results, &[PAGE_NAME])?;
+    }
     if written.every > 1 {
         listener.note(&format!("the page shows one frame in {}; all would make it too large", written.every));
     }

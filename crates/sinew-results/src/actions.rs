@@ -6,14 +6,14 @@
 //!
 //! Ways that no particle has are left out, so that the shares of a part in a frame add to 1. Methods without action primitives have no such file.
 
-use super::claim::Claim;
 use super::partial::{FilePlace, PartialFile};
 use super::tables::{PERSON, integer};
 use crate::Error;
 use crate::estimate::{ActionShare, FrameEstimate, RunInfo};
 use sinew_formats::tidy_csv::Cell;
 
-const NAME: &str = "actions.csv";
+/// Name of the table.
+pub(crate) const NAME: &str = "actions.csv";
 
 pub(crate) struct Actions {
     table: Option<PartialFile>,
@@ -45,12 +45,8 @@ impl Actions {
         self.table.as_mut()
     }
 
-    /// The file, if the run has one; else what an earlier run of another method left is removed.
-    pub(crate) fn finish(self, claim: &Claim) -> Result<Option<PartialFile>, Error> {
-        if self.table.is_none() {
-            claim.remove(NAME)?;
-            claim.remove(&format!("{NAME}.partial"))?;
-        }
-        Ok(self.table)
+    /// The file, if the run has one.
+    pub(crate) fn finish(self) -> Option<PartialFile> {
+        self.table
     }
 }

@@ -10,14 +10,13 @@
 use super::problem::{self, Problem};
 use super::results_error::Occupied;
 use crate::Error;
+use crate::own_files::{LIST_NAME, LOCK_NAME, listed, refuse_others};
+use crate::place::place;
 use crate::storage::{Disk, Storage};
 use std::fs::{self, File, TryLockError};
 use std::io::{Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-
-/// Name of the lock file.
-pub const LOCK_NAME: &str = "sinew.lock";
 
 /// Everything that a run leaves in its folder.
 pub const RESULT_NAMES: [&str; 15] = [
@@ -144,6 +143,26 @@ impl Claim {
         &self.storage
     }
 
+    /// Path of a file or folder below it, by its name.
+    ///
+    /// # Errors
+    /// As [`place`].
+    pub fn place(&self, name: &str) -> Result<PathBuf, Error> {
+        place(&self.folder, name)
+    }
+
+    /// Refuses files of others where files of these names are to be.
+    ///
+    /// # Errors
+    /// [`Error::OutputExists`] that names the file; a name that leads out of the folder.
+    pub fn refuse_others<'a>(&self, names: impl IntoIterator<Item = &'a String>) -> Result<(), Error> {
+        let own = listed(&*self.storage, &self.folder)?;
+        names.into_iter().try_for_each(|name| {
+            place(&self.folder, name)?;
+            refuse_others(&self.folder, &own, name)
+        })
+    }
+
     /// Removes a file of the folder, if it is there.
     pub fn remove(&self, name: &str) -> Result<(), Error> {
         let path = self.folder.join(name);
@@ -221,7 +240,7 @@ fn refuse_results(folder: &Path) -> Result<(), Error> {
     for entry in entries {
         let name = entry.map_err(Error::io("read", folder))?.file_name();
         let name = name.to_string_lossy();
-        if name != LOCK_NAME && !name.ends_with(".partial") {
+        if name != LOCK_NAME && name != LIST_NAME && !name.ends_with(".partial") {
             return refused(Occupied::NotEmpty);
         }
     }
@@ -237,13 +256,17 @@ pub fn is_incomplete(folder: &Path) -> bool {
 }
 
 fn lock(folder: &Path) -> Result<(File, Option<u32>), Error> {
-    let path = folder.join(LOCK_NAME);
+    let path = place(folder, LOCK_NAME)?;
     let mut options = File::options();
     options.read(true).write(true).create(true).truncate(false);
     let mut file = options.open(&path).map_err(Error::io("write", &path))?;
-    let mut before = String::new();
-    let _ = (&file).take(32).read_to_string(&mut before);
-    let before: Option<u32> = before.trim().parse().ok();
+    let mut found = vec![];
+    // Elsewhere than on Unix a file that is locked cannot be read.
+    let _ = (&file).take(32).read_to_end(&mut found);
+    let before: Option<u32> = std::str::from_utf8(&found).ok().and_then(|text| text.trim().parse().ok());
+    if before.is_none() && !found.is_empty() {
+        return Err(Error::OutputExists { path, found: Occupied::NotOurs });
+    }
     match file.try_lock() {
         Ok(()) if is_at(&file, &path) => {}
         // The run before removed the file between our opening and our locking it.

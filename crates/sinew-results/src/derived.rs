@@ -15,6 +15,9 @@ const HEAD_BYTES: u64 = 4096;
 pub const GAIT_NAMES: [&str; 4] = ["gait_events.csv", "gait_parameters.csv", "gait_cycles.csv", "gait.svg"];
 /// Files of `sinew compare`, in the order in which they are written.
 pub const COMPARISON_NAMES: [&str; 3] = ["comparison.csv", "comparison.json", "bland_altman.svg"];
+/// Table of the draws of angles that a study keeps of each of its trials.
+pub const ANGLE_DRAWS_NAME: &str = "angle_draws.csv";
+
 /// Refuses to write over what is no page of a result, without `force`. A former page is no loss.
 ///
 /// # Errors
@@ -32,23 +35,7 @@ pub fn is_page(path: &Path) -> bool {
     read.is_ok() && String::from_utf8_lossy(&head).contains(PAGE_TITLE_END)
 }
 
-/// Removes the page, the gait and the comparison of results that were replaced.
-pub fn forget_derived(results: &Path) -> Result<(), Error> {
-    let page = results.join(PAGE_NAME);
-    if is_page(&page) {
-        remove(&page)?;
-    }
-    GAIT_NAMES.iter().chain(&COMPARISON_NAMES).try_for_each(|name| remove(&results.join(name)))
-}
-
-/// Removes a file or a folder, if it is there.
-///
-/// # Errors
-/// What the system says, with the path.
-pub fn remove(path: &Path) -> Result<(), Error> {
-    let done = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
-    match done {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Error::io("remove", path)(error)),
-        _ => Ok(()),
-    }
+/// Whether a file of a result folder is made of the results: where they are replaced, it is no longer true.
+pub(crate) fn is_derived(name: &str) -> bool {
+    [PAGE_NAME, ANGLE_DRAWS_NAME].contains(&name) || GAIT_NAMES.contains(&name) || COMPARISON_NAMES.contains(&name)
 }

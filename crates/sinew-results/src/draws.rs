@@ -5,6 +5,7 @@
 //! `posterior` holds the rotations of the state, the root's place, the position of every point, the size of the body where it was not measured, and where the detectors see the keypoints in space; `sample_stats` the statistics that the method has; `observed_data` the keypoints that were used.
 
 use super::chunks::ChunkList;
+use super::own_files::slashed;
 use super::partial::{FilePlace, partial_path, take_back};
 use super::results_error::ResultsError;
 use crate::Error;
@@ -19,6 +20,9 @@ use std::collections::BTreeSet;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Name of the store.
+pub(crate) const NAME: &str = "posterior.zarr";
 
 /// The end of the keys that hold no numbers: a resumed run writes them again.
 const METADATA: &str = "zarr.json";
@@ -103,8 +107,14 @@ pub(crate) struct FinishedDraws {
 }
 
 impl FinishedDraws {
+    /// Names that its files will have, from the result folder.
+    pub(crate) fn names(&self) -> Result<Vec<String>, Error> {
+        let files = self.storage.files_below(&self.partial).map_err(Error::io("read", &self.partial))?;
+        Ok(files.iter().map(|file| format!("{NAME}/{}", slashed(&self.partial, file))).collect())
+    }
+
+    /// Gives the store its name, which nothing has.
     pub(crate) fn rename(self) -> Result<(), Error> {
-        self.storage.remove(&self.path).map_err(Error::io("replace", &self.path))?;
         self.storage.rename(&self.partial, &self.path).map_err(Error::io("write", &self.path))
     }
 }
@@ -112,7 +122,7 @@ impl FinishedDraws {
 impl DrawStore {
     pub(crate) fn open(place: &FilePlace<'_>, info: &RunInfo, from: Option<&OpenChunks>) -> Result<Self, Error> {
         let storage = place.storage;
-        let path = place.folder.join("posterior.zarr");
+        let path = place.folder.join(NAME);
         let partial = partial_path(&path);
         match from {
             None => storage.remove(&partial).map_err(Error::io("replace", &partial))?,

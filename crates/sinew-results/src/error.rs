@@ -45,6 +45,17 @@ pub enum Error {
         /// Why.
         problem: Box<Problem>,
     },
+    /// A name of a file to be written that leads out of the output folder.
+    #[error("`{}` leads out of the output folder `{}`", name.display(), folder.display())]
+    OutputOutside {
+        /// Output folder.
+        folder: PathBuf,
+        /// Name of the file, or of a folder on its way.
+        name: PathBuf,
+    },
+    /// A link where a file or a folder of results is to be.
+    #[error("`{}` is a link, and files are written only below the output folder", .0.display())]
+    OutputLink(PathBuf),
     /// The output folder holds or is an input.
     #[error("the output folder `{}` is also the input `{}`", path.display(), input.display())]
     OutputIsInput {

@@ -17,9 +17,10 @@
 //!
 //! [`ResultFolder::keep`] says how far the files go, for a checkpoint. A run that is stopped in between leaves readable `*.partial` files and no summary.
 
-use super::actions::Actions;
+use super::actions::{self, Actions};
 use super::coordinates::Coordinates;
-use super::draws::{DrawStore, OpenChunks};
+use super::derived::is_derived;
+use super::draws::{self, DrawStore, OpenChunks};
 use super::estimate::{FrameEstimate, RunInfo};
 use super::journal::Journal;
 use super::markers::Markers;
@@ -32,13 +33,13 @@ use super::texts::Texts;
 use crate::Error;
 use serde::{Deserialize, Serialize};
 use sinew_angles::visibility::Visibility;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use super::claim::{Claim, OWN_NAMES};
+use super::claim::{Claim, OWN_NAMES, RESULT_NAMES, is_incomplete};
+use super::own_files::{listed, refuse_others, remove_own, write_list};
 use super::partial::{FilePlace, PartialFile, Position};
 use super::summary::{Ending, Summary};
-use crate::storage::{Disk, Storage};
 use sinew_setup::posed_body::pose;
 
 const LOAD_PY: &str = include_str!("load.py");
@@ -73,13 +74,37 @@ pub struct Written {
 }
 
 impl ResultFolder {
+    /// Refuses files of others where a run will write.
+    ///
+    /// # Errors
+    /// [`Error::OutputExists`] that names the file.
+    pub fn refuse_others(claim: &Claim) -> Result<(), Error> {
+        let own = listed(&*claim.storage, &claim.folder)?;
+        let names = files_of_run().chain(provisional()).chain([format!("{}/", draws::NAME)]);
+        names.into_iter().try_for_each(|name| refuse_others(&claim.folder, &own, &name))
+    }
+
+    /// Removes what a run left that was stopped, and lists what a new one writes before it is whole.
+    ///
+    /// # Errors
+    /// As [`ResultFolder::refuse_others`], and a file that cannot be read or written with the path.
+    pub fn begin(claim: &Claim) -> Result<(), Error> {
+        Self::refuse_others(claim)?;
+        remove_checkpoint(claim)?;
+        let mut own = listed(&*claim.storage, &claim.folder)?;
+        own.extend(provisional());
+        write_list(&claim.storage, &claim.folder, own)
+    }
+
     /// Removes what a run left that was stopped: it is not to be resumed.
     ///
     /// # Errors
     /// A file that cannot be read or written with the path.
     pub fn forget(claim: &Claim) -> Result<(), Error> {
-        // The checkpoint first: without it the others mean nothing.
-        OWN_NAMES.iter().rev().try_for_each(|name| claim.remove(name))
+        remove_checkpoint(claim)?;
+        let before = listed(&*claim.storage, &claim.folder)?;
+        let left = &before - &provisional().collect::<BTreeSet<_>>();
+        if left == before { Ok(()) } else { write_list(&claim.storage, &claim.folder, left) }
     }
 
     /// Opens all files: new ones, or the files of a run that was stopped, cut to what was `written` then. Older results lose their summary and their checkpoint.
@@ -91,7 +116,8 @@ impl ResultFolder {
         let folder = claim.folder.clone();
         let place =
             FilePlace { storage: &storage, folder: &folder, written: written.map(|written| &written.positions) };
-        if written.is_some() {
+        // What the run itself said when it was stopped; whole results of a run before stay until these are.
+        if written.is_some() && is_incomplete(&folder) {
             claim.remove("summary.json")?;
         }
         let text = |name: &str, text: &str| PartialFile::with_text(&storage, folder.join(name), text);
@@ -211,7 +237,8 @@ impl ResultFolder {
         }
     }
 
-    /// Completes, syncs and renames all files; `summary.json` last. What a run is resumed from is removed where all frames are there.
+    /// Completes, syncs and renames all files; `summary.json` last. What a run is resumed from, and what an earlier run wrote, is removed where all frames are there. Where they are not, whole results of an earlier run
+    /// stay as they are, and these keep their provisional names.
     ///
     /// # Errors
     /// A file that cannot be read or written with the path at the first failure; what is not renamed by then keeps its provisional name.
@@ -220,22 +247,31 @@ impl ResultFolder {
         let Self { mut journal, mut whole, frames, claim, unseen, .. } = self;
         whole.extend(markers.finish(frames)?);
         whole.extend(tables.finish());
-        whole.extend(actions.finish(&claim)?);
+        whole.extend(actions.finish());
         whole.push(coordinates.finish(frames)?);
         whole.push(skeleton.finish(frames)?);
         let draws = draws.finish()?;
-        let timings = serde_json::to_string_pretty(&ending.timings).unwrap_or_default() + "\n";
-        whole.push(PartialFile::with_text(&claim.storage, claim.folder.join("timings.json"), &timings)?);
         let mut statistics = Statistics::new(&info, texts);
         journal.read_back(info.fps, |frame| statistics.add(frame))?;
         let summary = statistics.summary(&info, ending, &unseen);
+        if !ending.complete && claim.folder.join("summary.json").exists() && !is_incomplete(&claim.folder) {
+            return Ok(summary);
+        }
+        let timings = serde_json::to_string_pretty(&ending.timings).unwrap_or_default() + "\n";
+        whole.push(PartialFile::with_text(&claim.storage, claim.folder.join("timings.json"), &timings)?);
         let text = serde_json::to_string_pretty(&summary).unwrap_or_default() + "\n";
         let mut last = PartialFile::with_text(&claim.storage, claim.folder.join("summary.json"), &text)?;
         whole.iter_mut().try_for_each(PartialFile::sync)?;
         last.sync()?;
+        let before = listed(&*claim.storage, &claim.folder)?;
+        let mut new: BTreeSet<String> = whole.iter().chain([&last]).map(PartialFile::name).collect();
+        new.extend(draws.names()?);
+        write_list(&claim.storage, &claim.folder, &before | &new)?;
+        refuse_others(&claim.folder, &before, &format!("{}/", draws::NAME))?;
         // An older summary must not speak for new files.
         claim.remove("summary.json")?;
         whole.into_iter().try_for_each(PartialFile::rename)?;
+        remove_own(&*claim.storage, &claim.folder, before.iter().filter(|name| is_draws(name)))?;
         draws.rename()?;
         claim.storage.sync(&claim.folder).map_err(Error::io("write", &claim.folder))?;
         last.rename()?;
@@ -244,32 +280,59 @@ impl ResultFolder {
             drop(journal);
             // The results are whole: what stays does no harm, and `--resume` says that there is nothing to do.
             let _ = OWN_NAMES.iter().try_for_each(|name| claim.remove(name));
+            replace_former(&claim, &before, &new)?;
         }
         Ok(summary)
+    }
+}
+
+/// Removes what a run is resumed from.
+fn remove_checkpoint(claim: &Claim) -> Result<(), Error> {
+    // The checkpoint first: without it the others mean nothing.
+    OWN_NAMES.iter().rev().try_for_each(|name| claim.remove(name))
+}
+
+/// Files that a run leaves, without the draws.
+fn files_of_run() -> impl Iterator<Item = String> {
+    let files = RESULT_NAMES.into_iter().filter(|name| *name != draws::NAME);
+    files.chain([actions::NAME]).map(str::to_owned)
+}
+
+/// What a run writes before it is whole, as the list has it.
+fn provisional() -> impl Iterator<Item = String> {
+    let files = files_of_run().map(|name| format!("{name}.partial"));
+    files.chain(OWN_NAMES.map(str::to_owned)).chain([format!("{}.partial/", draws::NAME)])
+}
+
+/// Whether a listed file belongs to the draws.
+fn is_draws(name: &str) -> bool {
+    name.strip_prefix(draws::NAME).is_some_and(|rest| rest.starts_with('/'))
+}
+
+/// Removes what runs of one person left in a folder and no new file replaces, and drops it from the list.
+fn replace_former(claim: &Claim, before: &BTreeSet<String>, new: &BTreeSet<String>) -> Result<(), Error> {
+    let of_runs: BTreeSet<String> = files_of_run().chain(provisional()).chain(["people.csv".to_owned()]).collect();
+    let is_old =
+        |name: &&String| (of_runs.contains(*name) || is_derived(name) || is_draws(name)) && !new.contains(*name);
+    let old: BTreeSet<String> = before.iter().filter(is_old).cloned().collect();
+    remove_own(&*claim.storage, &claim.folder, old.iter())?;
+    write_list(&claim.storage, &claim.folder, &(before | new) - &old)
+}
+
+impl Claim {
+    /// Removes what earlier runs of one person left, but for the `new` files.
+    ///
+    /// # Errors
+    /// A file that cannot be removed.
+    pub fn replace_results(&self, new: &[&str]) -> Result<(), Error> {
+        let new = new.iter().map(|name| (*name).to_owned()).collect();
+        replace_former(self, &listed(&*self.storage, &self.folder)?, &new)
     }
 }
 
 /// What says which angles keypoints show; none where masks show the body, too.
 fn visibility(info: &RunInfo) -> Option<Visibility> {
     Visibility::new(info.angles.clone(), &info.body, &info.keypoints).filter(|_| !info.has_masks)
-}
-
-/// Writes a single file beside its place, and renames it once it is whole; then both are on the disk.
-///
-/// # Errors
-/// A file that cannot be read or written with the path.
-pub fn write_whole(path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
-    write_whole_in(&(Arc::new(Disk) as Arc<dyn Storage>), path, bytes)
-}
-
-/// As [`write_whole`], in the given storage.
-pub fn write_whole_in(storage: &Arc<dyn Storage>, path: &std::path::Path, bytes: &[u8]) -> Result<(), Error> {
-    let mut file = PartialFile::create(storage, path.to_owned())?;
-    file.write(|out| std::io::Write::write_all(out, bytes))?;
-    file.sync()?;
-    file.rename()?;
-    let folder = path.parent().unwrap_or(std::path::Path::new(""));
-    storage.sync(folder).map_err(Error::io("write", folder))
 }
 
 #[cfg(test)]

@@ -27,8 +27,11 @@ mod coordinates;
 mod draws;
 mod journal;
 mod markers;
+mod own_files;
 mod partial;
+mod place;
 mod skeleton;
+mod staged;
 mod statistics;
 mod stored_file;
 mod summary;
@@ -37,14 +40,16 @@ mod texts;
 mod without_summary;
 
 pub use claim::{
-    Claim, LOCK_NAME, OWN_NAMES, RESULT_NAMES, claim, claim_in, claim_to_resume, is_in_use, is_incomplete,
-    refuse_inputs,
+    Claim, OWN_NAMES, RESULT_NAMES, claim, claim_in, claim_to_resume, is_in_use, is_incomplete, refuse_inputs,
 };
-pub use derived::{COMPARISON_NAMES, GAIT_NAMES, PAGE_NAME, forget_derived, refuse_other_page, remove};
+pub use derived::{ANGLE_DRAWS_NAME, COMPARISON_NAMES, GAIT_NAMES, PAGE_NAME, refuse_other_page};
 pub use error::Error;
-pub use folder::{ResultFolder, Written, write_whole};
+pub use folder::{ResultFolder, Written};
 pub use markers::{REFERENCE_ORDER, order as marker_order};
-pub use partial::{FilePlace, PartialFile, Position};
+pub use own_files::{LIST_NAME, LOCK_NAME, add_own, is_own, list_derived, own_place};
+pub use partial::{FilePlace, PartialFile, Position, write_whole, write_whole_in};
+pub use place::place;
+pub use staged::Staged;
 
 pub use read_error::ReadError;
 pub use results_error::{Expected, Occupied, ResultsError};

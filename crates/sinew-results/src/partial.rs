@@ -7,7 +7,7 @@
 
 use crate::Error;
 use crate::problem::Problem;
-use crate::storage::{Storage, StoredFile};
+use crate::storage::{Disk, Storage, StoredFile};
 use serde::{Deserialize, Serialize};
 use sinew_formats::tidy_csv::{Cell, write_header, write_row};
 use std::collections::BTreeMap;
@@ -101,6 +101,22 @@ impl PartialFile {
     /// What the system says, with the path.
     pub fn create(storage: &Arc<dyn Storage>, path: PathBuf) -> Result<Self, Error> {
         let partial = partial_path(&path);
+        Self::create_as(storage, path, partial)
+    }
+
+    /// A new file under a provisional name that nobody has: outside of folders of results, a file of the usual one may be somebody else's.
+    pub(crate) fn create_beside(storage: &Arc<dyn Storage>, path: PathBuf) -> Result<Self, Error> {
+        let (mut partial, mut number) = (partial_path(&path), 1);
+        while partial.symlink_metadata().is_ok() {
+            number += 1;
+            let mut name = path.as_os_str().to_owned();
+            name.push(format!(".{number}"));
+            partial = partial_path(Path::new(&name));
+        }
+        Self::create_as(storage, path, partial)
+    }
+
+    fn create_as(storage: &Arc<dyn Storage>, path: PathBuf, partial: PathBuf) -> Result<Self, Error> {
         let file = storage.create(&partial).map_err(Error::io("write", &partial))?;
         let out = BufWriter::new(Counted { file, length: 0, checksum: crc32fast::Hasher::new() });
         Ok(Self { storage: Arc::clone(storage), path, partial, out })
@@ -177,14 +193,18 @@ impl PartialFile {
     pub fn keep(&mut self) -> Result<(String, Position), Error> {
         self.sync()?;
         let Counted { length, checksum, .. } = self.out.get_ref();
-        let name = self.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        Ok((name, Position { length: *length, checksum: checksum.clone().finalize() }))
+        Ok((self.name(), Position { length: *length, checksum: checksum.clone().finalize() }))
     }
 
     /// Everything written so far.
     pub fn read_back(&mut self) -> Result<Box<dyn Read>, Error> {
         self.flush()?;
         self.storage.read(&self.partial).map_err(Error::io("read", &self.partial))
+    }
+
+    /// The name that it will have.
+    pub(crate) fn name(&self) -> String {
+        self.path.file_name().unwrap_or_default().to_string_lossy().into_owned()
     }
 
     /// Gives a synced file its name.
@@ -215,4 +235,26 @@ pub(crate) fn checksum_of(stream: &mut impl Read, checksum: &mut crc32fast::Hash
             }
         }
     }
+}
+
+/// Writes a single file beside its place, and renames it once it is whole; then both are on the disk.
+///
+/// # Errors
+/// A file that cannot be read or written with the path.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let disk: Arc<dyn Storage> = Arc::new(Disk);
+    whole(&disk, PartialFile::create_beside(&disk, path.to_owned())?, path, bytes)
+}
+
+/// As [`write_whole`], in the given storage, for a file of a claimed folder: `NAME.partial` is ours.
+pub fn write_whole_in(storage: &Arc<dyn Storage>, path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    whole(storage, PartialFile::create(storage, path.to_owned())?, path, bytes)
+}
+
+fn whole(storage: &Arc<dyn Storage>, mut file: PartialFile, path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    file.write(|out| out.write_all(bytes))?;
+    file.sync()?;
+    file.rename()?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    storage.sync(folder).map_err(Error::io("write", folder))
 }

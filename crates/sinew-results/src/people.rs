@@ -2,7 +2,10 @@
 //!
 //! Results of a person lie in a folder of their own, `people/01`, `people/02`, …, in the order of coming.
 
-use super::folder::write_whole;
+use super::claim::Claim;
+use super::own_files::{add_own, listed, refuse_others, remove_results};
+use super::partial::write_whole;
+use super::place::place;
 use super::results_error::ResultsError;
 use crate::Error;
 use serde::Serialize;
@@ -13,6 +16,9 @@ use std::path::{Path, PathBuf};
 
 /// Version of the layout of `summary.json`.
 const SCHEMA_VERSION: u32 = 1;
+
+/// Files of a run of several people, beside the folders of each.
+pub const FILES: [&str; 2] = ["people.csv", "summary.json"];
 
 /// One of several people, and what became of their run.
 #[derive(Clone, Debug, Serialize)]
@@ -85,6 +91,21 @@ impl PersonTracked {
     }
 }
 
+/// Removes what runs of ours left of people from a number on, counted from 0, and folders in which nothing else is.
+///
+/// # Errors
+/// A file that cannot be removed.
+pub fn forget_people(of_run: &Path, from: usize) -> Result<(), Error> {
+    let folders: Vec<PathBuf> = person_folders(of_run).skip(from).collect();
+    for folder in folders {
+        place(of_run, folder.strip_prefix(of_run).unwrap_or(&folder))?;
+        remove_results(&folder)?;
+    }
+    // Somebody else may have something in it; then it stays.
+    let _ = std::fs::remove_dir(of_run.join("people"));
+    Ok(())
+}
+
 /// Whether a folder holds results of several people, whole or not.
 #[must_use]
 pub fn is_of_several(folder: &Path) -> bool {
@@ -119,11 +140,23 @@ impl PeopleSummary {
         Self { schema_version: SCHEMA_VERSION, complete: false, sinew_version, cameras, fps, people }
     }
 
+    /// Refuses files of others where both files are to be.
+    ///
+    /// # Errors
+    /// [`Error::OutputExists`] that names the file.
+    pub fn refuse_others(claim: &Claim) -> Result<(), Error> {
+        let own = listed(&**claim.storage(), claim.folder())?;
+        FILES.iter().try_for_each(|name| refuse_others(claim.folder(), &own, name))
+    }
+
     /// Writes both files.
     ///
     /// # Errors
-    /// A file that cannot be read or written with the path.
-    pub fn write(&self, folder: &Path) -> Result<(), Error> {
+    /// As [`PeopleSummary::refuse_others`]; a file that cannot be written, with the path.
+    pub fn write(&self, claim: &Claim) -> Result<(), Error> {
+        Self::refuse_others(claim)?;
+        add_own(claim.storage(), claim.folder(), &FILES)?;
+        let folder = claim.folder();
         write_whole(&folder.join("people.csv"), self.to_csv().as_bytes())?;
         let json = serde_json::to_string_pretty(self).unwrap_or_default() + "\n";
         write_whole(&folder.join("summary.json"), json.as_bytes())

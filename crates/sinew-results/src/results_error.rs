@@ -181,6 +181,8 @@ pub enum Occupied {
     StoppedRun,
     /// Files of others.
     NotEmpty,
+    /// A file that no earlier run wrote, where one is to be written.
+    NotOurs,
 }
 
 impl Occupied {
@@ -193,6 +195,7 @@ impl Occupied {
             Self::Results => "exists and holds results",
             Self::StoppedRun => "exists and holds a run that was stopped",
             Self::NotEmpty => "exists and is not empty",
+            Self::NotOurs => "is in the way, and no earlier run wrote it",
         }
     }
 }

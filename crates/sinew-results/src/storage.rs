@@ -4,7 +4,7 @@
 
 use std::fs;
 use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// A file being written.
 pub trait StoredFile: Write + Seek + Send {
@@ -29,7 +29,7 @@ pub trait Storage: std::fmt::Debug + Send + Sync {
     /// Errors of the system.
     fn create_folder(&self, path: &Path) -> io::Result<()>;
 
-    /// Creates or empties a file.
+    /// Creates a file, in place of one or of a link that may be there: a link is never followed.
     ///
     /// # Errors
     /// Errors of the system.
@@ -68,6 +68,12 @@ pub trait Storage: std::fmt::Debug + Send + Sync {
     /// Errors of the system.
     fn remove(&self, path: &Path) -> io::Result<()>;
 
+    /// All files below a folder, in any order; links are not followed.
+    ///
+    /// # Errors
+    /// Errors of the system.
+    fn files_below(&self, folder: &Path) -> io::Result<Vec<PathBuf>>;
+
     /// Whether nothing that is stopped here is ever continued.
     fn is_temporary(&self) -> bool {
         false
@@ -84,7 +90,12 @@ impl Storage for Disk {
     }
 
     fn create(&self, path: &Path) -> io::Result<Box<dyn StoredFile>> {
-        Ok(Box::new(fs::File::create(path)?))
+        let new = || fs::File::options().read(true).write(true).create_new(true).open(path);
+        let created = new().or_else(|error| match error.kind() {
+            io::ErrorKind::AlreadyExists => fs::remove_file(path).and_then(|()| new()),
+            _ => Err(error),
+        });
+        Ok(Box::new(created?))
     }
 
     fn resume(&self, path: &Path, length: u64) -> io::Result<Box<dyn StoredFile>> {
@@ -124,6 +135,23 @@ impl Storage for Disk {
             other => other,
         }
     }
+
+    fn files_below(&self, folder: &Path) -> io::Result<Vec<PathBuf>> {
+        files_below(folder)
+    }
+}
+
+/// All files below a folder; links are not followed.
+pub(crate) fn files_below(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let mut files = vec![];
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        match entry.file_type()?.is_dir() {
+            true => files.extend(files_below(&entry.path())?),
+            false => files.push(entry.path()),
+        }
+    }
+    Ok(files)
 }
 
 /// The file system without waiting for the disk: whoever keeps what was written waits for all of it at once ([`sync_below`]).
@@ -178,6 +206,9 @@ impl Storage for UnsyncedDisk {
     }
     fn remove(&self, path: &Path) -> io::Result<()> {
         Disk.remove(path)
+    }
+    fn files_below(&self, folder: &Path) -> io::Result<Vec<PathBuf>> {
+        files_below(folder)
     }
 }
 

@@ -146,8 +146,11 @@ const fn results(error: &sinew_results::Error) -> u8 {
             ResultsError::EstimateSize { .. } | ResultsError::NotFinite { .. } | ResultsError::LackingStatistics(_),
         ) => FAILED,
         Error::Results(ResultsError::SeveralPeople(_)) | Error::OutputIsInput { .. } => USAGE,
-        Error::Read(ReadError::Running(_)) | Error::OutputExists { .. } | Error::OutputLocked { .. } => FILES,
-        Error::Results(_) | Error::Read(_) => INPUT,
+        Error::Read(ReadError::Running(_))
+        | Error::OutputExists { .. }
+        | Error::OutputLocked { .. }
+        | Error::OutputLink(_) => FILES,
+        Error::Results(_) | Error::Read(_) | Error::OutputOutside { .. } => INPUT,
         Error::Checkpoint { problem, .. } => checkpoint(problem),
         _ => FAILED,
     }

@@ -13,6 +13,8 @@ pub(crate) fn help(error: &Error) -> Option<String> {
         Error::OutputLocked { .. } => Some("wait for it to end, or choose another folder with `-o`".into()),
         Error::Checkpoint { problem, .. } => Some(checkpoint(problem).into()),
         Error::OutputIsInput { .. } => Some("choose another folder with `-o`".into()),
+        Error::OutputOutside { .. } => Some("give it a name that is one of a file or folder below that folder".into()),
+        Error::OutputLink(_) => Some("remove the link, or choose another folder with `-o`".into()),
         _ => None,
     }
 }
@@ -64,6 +66,7 @@ const fn occupied(found: Occupied) -> &'static str {
         Occupied::StoppedRun => {
             "continue it with `--resume`, choose another folder with `-o`, or replace what is there with `--force`"
         }
+        Occupied::NotOurs => "move it away, or choose another folder with `-o`",
         Occupied::Results | Occupied::NotEmpty => {
             "choose another folder with `-o`, or replace what is there with `--force`"
         }

@@ -85,6 +85,10 @@ impl Storage for Failing {
         self.step()?;
         Disk.remove(path)
     }
+    fn files_below(&self, folder: &Path) -> io::Result<Vec<PathBuf>> {
+        self.step()?;
+        Disk.files_below(folder)
+    }
 }
 
 const FRAMES: u64 = 3;

@@ -15,6 +15,7 @@ mod clean_masks;
 mod common;
 mod determinism;
 mod failing_disk;
+mod files_of_others;
 mod fixed_lag;
 mod gait;
 mod guide;

@@ -1,16 +1,18 @@
 //! The result folder: complete, the same from run to run, never overwritten unasked.
 
 use crate::common::{TRACK, Trial, files, trial};
-use sinew_results::RESULT_NAMES;
+use sinew_results::{LIST_NAME, RESULT_NAMES};
 use std::fs;
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
 use std::process::Stdio;
 
+/// What lies in a result folder, but for the list of it that every one has.
 fn top(folder: &Path) -> Vec<String> {
     let mut names: Vec<String> =
         fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
     names.sort();
+    names.remove(names.iter().position(|name| name == LIST_NAME).unwrap());
     names
 }
 

@@ -116,7 +116,7 @@ fn masks_match_the_person() {
     assert!(iou > 0.98, "{iou}");
     insta::assert_snapshot!("answer", String::from_utf8(output.stdout).unwrap());
     let first = files(&trial.path("masks"));
-    assert_eq!(first.len(), 10, "{:?}", first.keys());
+    assert_eq!(first.len(), 11, "{:?}", first.keys());
 
     let without = run(&trial, &["--force"]);
     assert_eq!(trial.printed(&without), "exit 0\n");
@@ -165,7 +165,23 @@ fn masks_of_before_go_with_force_alone() {
     insta::assert_snapshot!("exists", trial.printed(&run(&trial, &[])));
     fs::remove_file(trial.path("images/left_0012.png")).unwrap();
     assert_eq!(run(&trial, &["--force"]).status.code(), Some(0));
-    assert_eq!(files(&trial.path("masks")).len(), 9);
+    assert_eq!(files(&trial.path("masks")).len(), 10);
+}
+
+#[test]
+fn masks_of_the_user_stay() {
+    let trial = trial();
+    assert_eq!(run(&trial, &[]).status.code(), Some(0));
+    fs::write(trial.path("masks/left/000500.png"), "mine").unwrap();
+    assert_eq!(run(&trial, &["--force"]).status.code(), Some(0));
+    assert_eq!(fs::read_to_string(trial.path("masks/left/000500.png")).unwrap(), "mine");
+    fs::remove_dir_all(trial.path("masks")).unwrap();
+    let first = trial.path("masks/left/000012.png");
+    fs::create_dir_all(first.parent().unwrap()).unwrap();
+    fs::write(&first, "mine").unwrap();
+    let printed = trial.printed(&run(&trial, &["--force"]));
+    assert!(printed.starts_with("exit 5") && printed.contains("000012.png` is in the way"), "{printed}");
+    assert_eq!(fs::read_to_string(&first).unwrap(), "mine");
 }
 
 fn check(name: &str, harm: impl FnOnce(&Trial), arguments: &[&str]) {

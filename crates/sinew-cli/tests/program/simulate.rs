@@ -30,7 +30,7 @@ fn a_recording_is_whole_and_its_readers_take_it() {
     for name in ["Calib.toml", "truth.trc", "README.txt", "masks/C3_0007.png", "images/C1_0004.png"] {
         assert!(written.contains_key(name), "{name}");
     }
-    assert_eq!(written.len(), 3 * 8 + 24 + 6 + 3);
+    assert_eq!(written.len(), 3 * 8 + 24 + 6 + 3 + 1);
     let options = RecordingOptions { layout: Some("BODY_25B".into()), ..RecordingOptions::default() };
     let mut recording = Recording::open(&trial.path("out/Calib.toml"), &trial.path("out/keypoints"), &options).unwrap();
     assert_eq!((recording.cameras().len(), recording.frames()), (3, 0..8));

@@ -1,26 +1,19 @@
-//! What a run removes of runs before in its folder: results of one person where several come, and the other way round.
+//! Results of people of runs before, in the folder of a run.
 
 use crate::Error;
 use crate::config::TrackConfig;
-use sinew_results::{OWN_NAMES, RESULT_NAMES, claim, forget_derived, remove};
-use std::path::{Path, PathBuf};
+use sinew_results::people::person_folders;
+use sinew_results::{Claim, claim};
+use std::path::PathBuf;
 
-/// Removes the results of people of a run before; refuses results and stopped runs that are not to be replaced.
-pub(crate) fn forget_people(config: &TrackConfig, read_from: &[PathBuf]) -> Result<(), Error> {
-    let folder = config.out.join("people");
-    if !folder.is_dir() {
-        return Ok(());
+/// Refuses results and stopped runs of people that are not to be replaced, and those that `check` refuses.
+pub(crate) fn refuse_people(
+    config: &TrackConfig,
+    read_from: &[PathBuf],
+    check: impl Fn(&Claim) -> Result<(), sinew_results::Error>,
+) -> Result<(), Error> {
+    for folder in person_folders(&config.out) {
+        check(&claim(&folder, read_from, config.force)?)?;
     }
-    let failed = |error| Error::io("read", &folder)(error);
-    for entry in std::fs::read_dir(&folder).map_err(failed)? {
-        drop(claim(&entry.map_err(failed)?.path(), read_from, config.force)?);
-    }
-    std::fs::remove_dir_all(&folder).map_err(Error::io("remove", &folder))?;
-    Ok(remove(&config.out.join("people.csv"))?)
-}
-
-/// Removes the results of a run of one person, in whose place results of several come.
-pub(crate) fn forget_one(out: &Path) -> Result<(), Error> {
-    RESULT_NAMES.iter().chain(&OWN_NAMES).try_for_each(|name| remove(&out.join(name)))?;
-    Ok(forget_derived(out)?)
+    Ok(())
 }

@@ -27,7 +27,7 @@ use crate::config::{Resolved, TrackConfig};
 use crate::input::live::LiveCameras;
 use crate::methods::hmc;
 use crate::run::claimed::claimed;
-use crate::run::former_results::forget_people;
+use crate::run::former_results::refuse_people;
 use crate::run::listener::{Listener, watched};
 use crate::run::threads::{wanted, with_threads};
 use crate::track::job::live::{Answers, track_live};
@@ -36,6 +36,7 @@ use answering::Answering;
 use queue::Queue;
 use reading::Reading;
 use sinew_results::estimate::{FrameEstimate, RunInfo};
+use sinew_results::people::forget_people;
 use sinew_results::refuse_inputs;
 use source::Source;
 use std::path::PathBuf;
@@ -79,7 +80,7 @@ pub fn track(resolved: &Resolved, request: LiveRequest, listener: &dyn Listener)
     let cameras = LiveCameras::open(&calibration, &config.recording)?;
     let layout = cameras.named_layout(&config.recording)?;
     let claim = claimed(&config, &read_from, listener)?;
-    forget_people(&config, &read_from)?;
+    refuse_people(&config, &read_from, |_| Ok(()))?;
     let streams = match place {
         LivePlace::Standard => standard,
         LivePlace::Tcp(address) => place::connected(address, listener)?,
@@ -113,7 +114,9 @@ pub fn track(resolved: &Resolved, request: LiveRequest, listener: &dyn Listener)
     }
     answering.end();
     let outcome = ended?.ok_or(LiveError::NoFrame)?;
-    sinew_results::forget_derived(&config.out)?;
+    if outcome.summary.complete {
+        forget_people(&config.out, 0)?;
+    }
     Ok(outcome)
 }
 

@@ -1,7 +1,7 @@
 //! A run of one person: from the beginning, or from where it was stopped.
 
 use super::claimed::{claimed, claimed_in};
-use super::former_results::forget_people;
+use super::former_results::refuse_people;
 use super::listener::{Listener, watched};
 use super::pieces::{calibration, how_to_resume, opened};
 use super::refined_calibration;
@@ -13,6 +13,7 @@ use crate::config::Resolved;
 use crate::input::roll::Roll;
 use crate::input::source::FrameSource;
 use crate::track::job::{self, Outcome, Watch};
+use sinew_results::people::forget_people;
 use sinew_results::{Claim, ResultFolder, problem, refuse_inputs};
 use std::ops::Range;
 use std::path::PathBuf;
@@ -27,7 +28,7 @@ pub(crate) fn track<S: FrameSource + Send>(
     let Run { resolved, request, read_from, listener, .. } = run;
     let config = resolved.track();
     if !request.resume {
-        forget_people(&config, read_from)?;
+        refuse_people(&config, read_from, |_| Ok(()))?;
     }
     let start = match claim {
         Some(claim) => Start::New(claim),
@@ -48,8 +49,10 @@ pub(crate) fn track<S: FrameSource + Send>(
     if let Some(path) = &request.write_calibration {
         refined_calibration::write(path, &config, run.calibration, listener)?;
     }
-    if let OneCameTo::Tracked(_) = came_to {
-        sinew_results::forget_derived(&config.out)?;
+    if let OneCameTo::Tracked(outcome) = &came_to
+        && outcome.summary.complete
+    {
+        forget_people(&config.out, 0)?;
     }
     Ok(came_to.into())
 }

@@ -3,7 +3,7 @@
 //! A person is tracked as though they were alone, with the same seed: results of one depend on others only where it is decided who is who.
 //! People are tracked beside each other where there are threads for it.
 
-use super::former_results::{forget_one, forget_people};
+use super::former_results::refuse_people;
 use super::listener::{Counter, Listener};
 use super::one_person::tracked;
 use super::pieces::opened;
@@ -16,8 +16,8 @@ use crate::config::TrackConfig;
 use crate::input::roll::Roll;
 use crate::input::source::FrameSource as _;
 use crate::track::job::{RunPhase, Watch};
-use sinew_results::people::{PeopleSummary, person_folder};
-use sinew_results::{Claim, Summary, claim_in, claim_to_resume};
+use sinew_results::people::{FILES, PeopleSummary, forget_people, is_of_several, person_folder};
+use sinew_results::{Claim, ResultFolder, Summary, claim_in, claim_to_resume, is_incomplete, place};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -34,19 +34,31 @@ fn most_seen(out: &Path, roll: &Roll) -> PathBuf {
 pub(crate) fn track(run: Run<'_>, roll: &Roll, claim: Option<Claim>) -> Result<PeopleSummary, Error> {
     let Run { resolved, request, calibration, read_from, listener } = run;
     let config = resolved.track();
-    let _claim = claim.map_or_else(|| claim_to_resume(&config.out, read_from), Ok)?;
+    let claim = claim.map_or_else(|| claim_to_resume(&config.out, read_from), Ok)?;
+    // Whole results of a run before speak for the folder until there are new ones.
+    let is_over_whole = !request.resume && config.out.join("summary.json").exists() && !is_incomplete(&config.out);
     if !request.resume {
-        forget_people(&config, read_from)?;
-        forget_one(&config.out)?;
+        PeopleSummary::refuse_others(&claim)?;
+        refuse_people(&config, read_from, ResultFolder::refuse_others)?;
     }
     let cameras = config.footage(calibration)?;
     let cameras = cameras.cameras().iter().map(|camera| camera.name.clone()).collect();
     let mut summary = PeopleSummary::begun(cameras, config.fps(), &roll.people);
-    summary.write(&config.out)?;
+    if !is_over_whole {
+        summary.write(&claim)?;
+    }
     listener.note(&format!("{} people, each tracked into a folder of {}", roll.people.len(), config.out.display()));
     let refused = everybody(run, roll, &config, &mut summary)?;
     let interrupted = !summary.complete;
-    summary.write(&config.out)?;
+    let is_anybody_whole = summary.people.iter().any(|person| person.complete);
+    // Where results of people were replaced, the table that was there is no longer true.
+    if !is_over_whole || (is_anybody_whole && (summary.complete || is_of_several(&config.out))) {
+        summary.write(&claim)?;
+    }
+    if summary.complete && is_anybody_whole {
+        claim.replace_results(&FILES)?;
+        forget_people(&config.out, summary.people.len())?;
+    }
     if let Some(path) = request.write_calibration.as_ref().filter(|_| !interrupted) {
         let config = resolved.into_folder(&most_seen(&config.out, roll)).track();
         refined_calibration::write(path, &config, calibration, listener)?;
@@ -190,7 +202,7 @@ fn one(
     threads: usize,
     progress: &PeopleCounter<'_>,
 ) -> Result<Tracked, Error> {
-    let out = run.resolved.track().out.join(person_folder(person));
+    let out = place(&run.resolved.track().out, person_folder(person))?;
     let resolved = run.resolved.for_person(person + 1, &out);
     let config = resolved.track();
     let (mut recording, frames) = opened(&config, run.calibration, Some((roll, person)))?;

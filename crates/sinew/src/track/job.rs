@@ -84,6 +84,9 @@ pub fn track<S: FrameSource>(
     let settings = resolved.settings()?;
     let of_settings = file_hashes(resolved)?;
     let folder = claim.folder().to_owned();
+    if from.is_none() {
+        ResultFolder::refuse_others(&claim)?;
+    }
     let Begun { mut source, setup, checkpoint, .. } = match from {
         Some(from) => resumed(source, from, resolved, &settings, &of_settings, &folder, watch)?,
         None => begun(source, setup_frames, resolved, &config, &settings, watch)?,
@@ -95,7 +98,7 @@ pub fn track<S: FrameSource>(
         Pipeline::with_images(&setup, &tree, &cameras, source.layout(), settings.clone(), image_cameras.as_deref())?;
     match &checkpoint.pipeline {
         Some(state) => pipeline.restore(state).map_err(|problem| sinew_results::Error::checkpoint(&folder, problem))?,
-        None => ResultFolder::forget(&claim)?,
+        None => ResultFolder::begin(&claim)?,
     }
     let (frames, before) = (source.frames(), checkpoint.done);
     let setup_toml = checkpoint.setup_toml.clone();

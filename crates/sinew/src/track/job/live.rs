@@ -63,12 +63,13 @@ pub fn track_live<S: Arrivals>(
     let config = resolved.track();
     let settings = resolved.settings()?;
     let of_settings = file_hashes(resolved)?;
+    ResultFolder::refuse_others(&claim)?;
     let Begun { mut source, setup, checkpoint, .. } = begun(source, setup_frames, resolved, &config, &settings, watch)?;
     let (tree, cameras) = (setup.tree(), source.cameras().to_vec());
     let mut pipeline = Pipeline::new(&setup, &tree, &cameras, source.layout(), settings.clone())?;
     clock.set_up_is_done();
     let Some(first) = source.source_mut().arrive() else { return Ok(None) };
-    ResultFolder::forget(&claim)?;
+    ResultFolder::begin(&claim)?;
     let info = run_info(&config, &settings, &setup, &pipeline, cameras, first, checkpoint.setup_toml.clone());
     answers.begin(&info);
     let mut keeper = Keeper::open(claim, info, checkpoint, &config, &pipeline)?;
