@@ -1,6 +1,10 @@
 //! A synthetic recording on disk and the program to run on it.
 
+pub mod known_answers;
+pub mod linear_world;
+pub mod path_posterior;
 pub mod synthetic;
+pub mod tally;
 pub mod walks;
 
 use sinew::core::estimators::mean;

@@ -21,7 +21,9 @@ mod gait;
 mod guide;
 mod inspect_own_files;
 mod killed_runs;
-
+mod known_camera;
+mod known_files;
+mod known_world;
 mod laboratory;
 mod lag;
 mod learn;
