@@ -4,7 +4,7 @@
 
 use super::angle_draws::write_angle_draws;
 use super::keeping::{Ended, Keeping};
-use super::ledger::{EndedTask, Ledger, TaskEnd, RESULTS, ended, results_name};
+use super::ledger::{EndedTask, Ledger, RESULTS, TaskEnd, ended, results_name};
 use super::packed::Archive;
 use super::plan::{Share, StudyPlan, Task, read};
 use super::pooled_setup::{PooledSetups, Shared};
