@@ -33,7 +33,7 @@ fn pooled(recordings: Vec<InMemory>) -> MeasuredErrors {
     setup.lasting.unwrap()
 }
 
-/// A recording that is shown four times says what it says once: 3.8 times as much, and lengths drift with the number of copies to where only the errors that all share pull them.
+/// A recording that is shown four times says what it says once. Were copies taken for new frames they would be worth four times as much, and lengths would drift with their number to where the errors pull them that all of them share.
 #[test]
 fn copies_of_a_recording_say_no_more_than_one() {
     let [once, four_times] = [1, 4].map(|count| pooled(vec![walker(FRAMES); count]));
