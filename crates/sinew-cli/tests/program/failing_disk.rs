@@ -12,7 +12,7 @@ use sinew_results::estimate::{Draws, FrameEstimate, PointMarginal, RunInfo, Stat
 use sinew_results::problem;
 use sinew_results::{Disk, Ending, OWN_NAMES, ResultFolder, Storage, StoredFile, Texts, claim_in};
 use std::io::{self, Seek, SeekFrom, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
