@@ -190,8 +190,10 @@ impl DrawStore {
         let steps: Vec<i64> = draws.hmc.iter().flat_map(|hmc| &hmc.n_steps).map(|&n| i64::from(n)).collect();
         let evidence = [estimate.log_evidence.unwrap_or(f64::NAN)];
         let ess = [estimate.ess];
-        let mut values =
-            vec![FrameValues::Numbers(&angle), FrameValues::Numbers(&root), FrameValues::Numbers(&markers)];
+        let mut values = vec![FrameValues::Numbers(&root), FrameValues::Numbers(&markers)];
+        if !self.rotations.is_empty() {
+            values.insert(0, FrameValues::Numbers(&angle));
+        }
         if self.carried.size {
             values.push(FrameValues::Numbers(&draws.size));
         }
@@ -310,6 +312,8 @@ fn schema(info: &RunInfo, rotations: &[usize]) -> sinew_formats::zarr::Schema {
         values: centres.collect(),
     });
     let mut posterior = inference_data::posterior(&run);
+    // A body that only translates has no angles.
+    posterior.variables.retain(|variable| variable.name != "angle" || !rotations.is_empty());
     if info.carried.size {
         posterior.variables.push(Variable::new("size", PER_DRAW, DataType::Float32));
     }

@@ -160,3 +160,8 @@ fn errors_that_last_some_frames_widen_filtered_numbers() {
     let nothing = Constant { name: "A.lag_s".into(), value: 0.0, draws: vec![0.0; 128] };
     check(8, &Script { lasting: vec![nothing], persistence_s: 0.1, ..Script::default() }, &[], Knows::Past);
 }
+
+#[test]
+fn a_body_that_only_translates_is_tracked() {
+    check(4, &Script { turns: false, ..Script::default() }, &[], Knows::Past);
+}
