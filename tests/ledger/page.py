@@ -15,12 +15,9 @@ PATH = ROOT / "docs/evidence/ledger.md"
 ELSEWHERE = tomllib.loads((Path(__file__).parent / "elsewhere.toml").read_text())
 
 
-def why_unknown(file, column):
-    """Why no check on finished results knows a column."""
-    for row in ELSEWHERE["unknown"]:
-        if file == row["file"] and any(fnmatchcase(column, name) for name in row["columns"]):
-            return row["why"]
-    return None
+def is_listed(kind, file, column):
+    """Whether a column stands in a list of `elsewhere.toml`: `test`, of those that tests elsewhere know, or `unknown`."""
+    return any(file == row["file"] and any(fnmatchcase(column, name) for name in row["columns"]) for row in ELSEWHERE[kind])
 
 
 def is_unseen(file, column, disturbance):
@@ -41,8 +38,8 @@ def table(head, rows):
 def written():
     """The page."""
     knows = [[f"`{check.file}`", shown(check.columns), check.source, ", ".join(check.runs), f"`{check.run.__name__}`"] for check in sorted(ledger.CHECKS, key=lambda check: (check.file, check.run.__name__))]
-    other = [[f"`{row['file']}`", shown(row["columns"]), row["source"], f"`{row['test']}`"] for row in ELSEWHERE.get("test", [])]
-    unknown = [[f"`{row['file']}`", shown(row["columns"]), row["why"]] for row in ELSEWHERE["unknown"] + ELSEWHERE["partly"]]
+    other = [[f"`{row['file']}`", shown(row["columns"]), row["source"], row["test"]] for row in ELSEWHERE["test"]]
+    unknown = [[f"`{row['file']}`", shown(row["columns"]), row["why"]] for row in ELSEWHERE["unknown"]]
     unseen = [[f"`{row['file']}`", shown([row["column"]]), ", ".join(row["disturbances"]), row["why"]] for row in ELSEWHERE["unseen"]]
     parts = {
         "CHECKS": table(["file", "columns", "known from", "runs", "check"], knows),

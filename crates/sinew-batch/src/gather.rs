@@ -227,7 +227,7 @@ mod tests {
         }
         write_file("b/summary.json", b"{\"frame_count\": ");
         write_file("c/angle_draws.csv", b"name,draw\n\xc3");
-        let gathered = gather(at, GroupBy::All).unwrap();
+        let gathered = gather(at, GroupBy::All, false).unwrap();
         assert_eq!(gathered.counts, [1, 0, 0, 2]);
         let [b, c] = gathered.lacking.as_slice() else { panic!("{gathered:?}") };
         assert_eq!(b.1, "its results are gone or damaged: run the study again");

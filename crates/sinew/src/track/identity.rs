@@ -48,7 +48,7 @@ mod tests {
     use sinew_observe::Detection;
 
     fn frame(x: f64) -> Frame {
-        let point = Detection { pixel: [x, 2.0], confidence: 0.5 };
+        let point = Detection { pixel: [x, 2.0], confidence: 0.5, extra_px: 0.0 };
         Frame { people: vec![vec![], vec![vec![None, Some(point)]]], ..Frame::default() }
     }
 
