@@ -4,7 +4,7 @@ use crate::failure::{Failure, USAGE};
 use numpy::ndarray::{ArrayD, IxDyn};
 use numpy::{Element, IntoPyArray, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
+use pyo3::types::PyDict;
 
 /// Values with their derivatives.
 pub(crate) type Two<'py> = (Bound<'py, PyArrayDyn<f64>>, Bound<'py, PyArrayDyn<f64>>);
@@ -18,19 +18,23 @@ pub(crate) struct Numbers<'py> {
     array: PyReadonlyArrayDyn<'py, f64>,
 }
 
+/// Whether the numbers of an array lie one after the other where numbers may lie: those within a file's bytes may begin at any byte.
+fn is_plain(array: &Bound<'_, PyArrayDyn<f64>>) -> bool {
+    array.is_c_contiguous() && array.data().is_aligned()
+}
+
 /// An argument as numbers in C order.
 pub(crate) fn numbers<'py>(name: &'static str, value: &Bound<'py, PyAny>) -> PyResult<Numbers<'py>> {
     let borrowed = |array: &Bound<'py, PyArrayDyn<f64>>| {
         array.try_readonly().map_err(|_| Failure::argument(format!("`{name}` is being written to by another call")))
     };
     if let Ok(array) = value.cast::<PyArrayDyn<f64>>()
-        && array.is_c_contiguous()
+        && is_plain(array)
     {
         return Ok(Numbers { name, array: borrowed(array)? });
     }
     let py = value.py();
-    let options = [("dtype", "float64"), ("order", "C")].into_py_dict(py)?;
-    let made = py.import("numpy")?.getattr("asarray")?.call((value,), Some(&options));
+    let made = py.import("numpy")?.call_method1("require", (value, "float64", ["C_CONTIGUOUS", "ALIGNED"]));
     let made = made.map_err(|error| Failure {
         causes: vec![error.to_string()],
         ..Failure::argument(format!("`{name}` is no array of numbers"))
@@ -120,8 +124,8 @@ pub(crate) fn given_place<'py>(
     out: &Bound<'py, PyAny>,
     shape: &[usize],
 ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-    let fits = out.cast::<PyArrayDyn<f64>>().ok().filter(|out| out.shape() == shape && out.is_c_contiguous());
-    let due = format!("`{name}` must be an array of float64 in C order of the shape {shape:?}");
+    let fits = out.cast::<PyArrayDyn<f64>>().ok().filter(|out| out.shape() == shape && is_plain(out));
+    let due = format!("`{name}` must be an array of float64 in C order of the shape {shape:?}, aligned");
     Ok(fits.cloned().ok_or_else(|| Failure::argument(due))?)
 }
 
@@ -147,6 +151,14 @@ pub(crate) fn fixed<const N: usize>(name: &'static str, value: &Bound<'_, PyAny>
     numbers.exactly(&[("n", Some(N))])?;
     let values = numbers.finite()?;
     Ok(values.try_into().map_err(|_| Failure::bug("a length"))?)
+}
+
+/// The number of a frame; numbers are counted in 32 bits where frames are tracked.
+pub(crate) fn frame_number(name: &str, value: &Bound<'_, PyAny>) -> PyResult<u64> {
+    let number = value.extract::<u32>().map_err(|_| {
+        Failure::argument(format!("`{name}` is {value}; expected a whole number from 0 to {}", u32::MAX))
+    })?;
+    Ok(number.into())
 }
 
 /// Zeros for the result of a batch. They are taken from the system as they are and first touched by whoever writes them.

@@ -1,6 +1,6 @@
 //! Keypoints of whole recordings, of any known detector, as one array.
 
-use crate::arrays::{array, numbers};
+use crate::arrays::{affordable, array, frame_number, numbers};
 use crate::background::detached;
 use crate::failure::Failure;
 use numpy::PyArrayDyn;
@@ -43,7 +43,7 @@ pub(crate) fn read_keypoints<'py>(
     let people = all().map(|person| person.index + 1).max().unwrap_or_default();
     let points = all().map(|person| person.keypoints.len()).max().unwrap_or_default();
     let (count, views) = (seen.frames.len(), seen.cameras.len());
-    let mut values = vec![f64::NAN; count * views * people * points * 3];
+    let mut values = vec![f64::NAN; affordable(&[count, views, people, points, 3])?];
     for (number, frame) in seen.frames.iter().flatten().enumerate() {
         for person in &frame.people {
             let at = (number * people + person.index) * points * 3;
@@ -110,8 +110,9 @@ pub(crate) fn write_keypoints(
     folder: PathBuf,
     cameras: Vec<String>,
     keypoints: &Bound<'_, PyAny>,
-    first: u64,
+    first: &Bound<'_, PyAny>,
 ) -> PyResult<()> {
+    let first = frame_number("first_frame", first)?;
     let given = numbers("keypoints", keypoints)?;
     let due = [("frames", None), ("cameras", Some(cameras.len())), ("people", None), ("points", None)];
     let shape = given.exactly(&[due[0], due[1], due[2], due[3], ("u v confidence", Some(3))])?;

@@ -1,6 +1,6 @@
 //! Whole runs: what `sinew track` does, heard by Python.
 
-use crate::arrays::numbers;
+use crate::arrays::{frame_number, numbers};
 use crate::background::interruptible;
 use crate::camera::PyCamera;
 use crate::failure::{Failure, USAGE};
@@ -117,7 +117,7 @@ pub(crate) fn settings_table() -> Vec<(&'static str, &'static str, &'static str,
 }
 
 /// Cameras, keypoints, names of the points and the number of the first frame.
-type GivenArrays<'py> = (Vec<PyRef<'py, PyCamera>>, Bound<'py, PyAny>, Option<Vec<Option<String>>>, u64);
+type GivenArrays<'py> = (Vec<PyRef<'py, PyCamera>>, Bound<'py, PyAny>, Option<Vec<Option<String>>>, Bound<'py, PyAny>);
 
 /// Tracks; returns the result folder and the diagnostics that failed.
 #[pyfunction]
@@ -137,6 +137,7 @@ pub(crate) fn track(
     let settings = named(settings)?;
     let given = given
         .map(|(cameras, keypoints, points, first)| {
+            let first = frame_number("first_frame", &first)?;
             Ok::<_, PyErr>(Given::new(&cameras, numbers("keypoints", &keypoints)?, points, first)?)
         })
         .transpose()?;

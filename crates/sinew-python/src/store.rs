@@ -3,7 +3,7 @@
 //! They are read once, in the type in which they are stored.
 
 use crate::arrays::array;
-use crate::background::detached;
+use crate::background::{detached, interruptible};
 use crate::failure::Failure;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -12,6 +12,8 @@ use sinew::formats::json_text;
 use sinew::formats::source_text::MAX_TEXT_BYTES;
 use sinew::formats::zarr::reader::{self, StoredArray, StoredValues};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Name of the document that every node of a store has.
 const DOCUMENT: &str = "zarr.json";
@@ -25,15 +27,21 @@ pub(crate) fn zarr_groups(py: Python<'_>, store: PathBuf) -> PyResult<Vec<String
 /// A group: its attributes as JSON, and by name (dimensions, values, attributes as JSON) of each array.
 #[pyfunction]
 pub(crate) fn zarr_group<'py>(py: Python<'py>, store: PathBuf, group: &str) -> PyResult<(String, Bound<'py, PyDict>)> {
-    let (attributes, read) = detached(py, || {
-        let folder = store.join(group);
-        let document = folder.join(DOCUMENT);
-        let text = read_text(&document, MAX_TEXT_BYTES)?;
-        let parsed: serde_json::Value = json_text::parse(&document.display().to_string(), &text)?;
-        let attributes = parsed["attributes"].as_object().cloned().unwrap_or_default();
-        let arrays = nodes(&folder)?.into_iter().map(|(name, path)| Ok((name, stored(&path)?)));
-        Ok((attributes, arrays.collect::<Result<Vec<_>, Failure>>()?))
-    })?;
+    let stop = Arc::new(AtomicBool::new(false));
+    let (attributes, read) = interruptible(
+        py,
+        &stop,
+        |_| Ok(()),
+        || {
+            let folder = store.join(group);
+            let document = folder.join(DOCUMENT);
+            let text = read_text(&document, MAX_TEXT_BYTES)?;
+            let parsed: serde_json::Value = json_text::parse(&document.display().to_string(), &text)?;
+            let attributes = parsed["attributes"].as_object().cloned().unwrap_or_default();
+            let arrays = nodes(&folder)?.into_iter().map(|(name, path)| Ok((name, stored(&path, &stop)?)));
+            Ok((attributes, arrays.collect::<Result<Vec<_>, Failure>>()?))
+        },
+    )?;
     let arrays = PyDict::new(py);
     for (name, stored) in read {
         let StoredArray { shape, dimensions, attributes, values } = stored;
@@ -55,14 +63,15 @@ fn nodes(folder: &Path) -> Result<Vec<(String, PathBuf)>, Failure> {
     Ok(nodes)
 }
 
-/// The array in a folder.
-fn stored(folder: &Path) -> Result<StoredArray, Failure> {
+/// The array in a folder. After an interrupt no chunk is read any more, and nobody sees what is made of the others.
+fn stored(folder: &Path, stop: &AtomicBool) -> Result<StoredArray, Failure> {
     let document = folder.join(DOCUMENT);
     let mut failed = None;
     let text = read_text(&document, MAX_TEXT_BYTES)?;
     let read = reader::array(&document.display().to_string(), &text, |key| {
         let path = folder.join(key);
-        let bytes = path.exists().then(|| read_bytes(&path, MAX_TEXT_BYTES)).transpose();
+        let is_wanted = !stop.load(Ordering::Relaxed) && path.exists();
+        let bytes = is_wanted.then(|| read_bytes(&path, MAX_TEXT_BYTES)).transpose();
         Ok(bytes.unwrap_or_else(|error| {
             failed.get_or_insert(error);
             None

@@ -69,6 +69,15 @@ def test_a_batch_is_its_poses_one_by_one():
     np.testing.assert_array_equal(body.positions(poses[::2]), together[::2])
     np.testing.assert_allclose(body.positions(poses.astype(np.float32)), together, atol=1e-5)
     np.testing.assert_array_equal(body.positions(poses[3].tolist()), body.positions(poses[3]))
+    np.testing.assert_array_equal(body.positions(misaligned(poses)), together)
+
+
+def misaligned(values):
+    """The same numbers, from the second byte of a buffer on."""
+    place = np.zeros(values.nbytes + 1, np.uint8)[1:].view(np.float64).reshape(values.shape)
+    place[...] = values
+    assert not place.flags.aligned
+    return place
 
 
 def test_positions_go_where_they_are_wanted():
@@ -77,7 +86,7 @@ def test_positions_go_where_they_are_wanted():
     out = np.empty((20, len(body.points), 3))
     assert body.positions(poses, out=out) is out
     np.testing.assert_array_equal(out, body.positions(poses))
-    for wrong in (out[:10], np.empty((20, len(body.points), 3), np.float32), out.swapaxes(0, 1)):
+    for wrong in (out[:10], np.empty((20, len(body.points), 3), np.float32), out.swapaxes(0, 1), misaligned(out)):
         with pytest.raises(sinew.InputError, match="`out` must be an array of float64 in C order of the shape"):
             body.positions(poses, out=wrong)
 

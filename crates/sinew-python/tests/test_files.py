@@ -55,6 +55,8 @@ def test_keypoints(walk, tmp_path):
     read = sinew.read(tmp_path / "pose")
     assert (read.cameras, read.first_frame) == (names, 7)
     np.testing.assert_array_equal(read.values, walk.keypoints)
+    with pytest.raises(sinew.InputError, match="`first_frame` is -1; expected a whole number"):
+        sinew.write(tmp_path / "negative", sinew.Keypoints(names, walk.keypoints, first_frame=-1))
 
 
 def test_keypoints_of_others(data):

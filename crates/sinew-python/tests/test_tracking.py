@@ -214,6 +214,7 @@ def test_errors_are_those_of_the_program(program, recording, tmp_path):
         ({"fpss": 20}, sinew.UsageError, "unknown setting `fpss`; did you mean `fps`?"),
         ({"fps": -1}, sinew.UsageError, "`fps` is -1"),
         ({"frames": (0, 1, 2)}, sinew.UsageError, "`frames` has 3 numbers; expected"),
+        ({"first_frame": -1}, sinew.InputError, "`first_frame` is -1; expected a whole number from 0 to 4294967295"),
         ({"setup": "a\udce9.toml"}, sinew.UsageError, r"`setup` is 'a\udce9.toml', which is not UTF-8"),
         ({"setup": Path("a\udce9.toml")}, sinew.UsageError, r"`setup` is 'a\udce9.toml', which is not UTF-8"),
         ({"out": Path("a\udce9")}, sinew.UsageError, r"`out` is 'a\udce9', which is not UTF-8"),
