@@ -323,6 +323,52 @@ mod tests {
         assert!((own - 1.0 - 0.25 * (2.0 - flow).powi(2)).abs() < 1e-2, "{own}");
     }
 
+    /// The whole formula: draws, errors of the camera, a lag, what each keypoint has of its own, and weights; by sums over draws that are written out.
+    #[test]
+    fn total_own_and_common_are_those_of_the_formula() {
+        const DRAWS: usize = 5;
+        let pixel =
+            |k: usize, i: usize, a: usize| 100.0 + (3.7 * k as f64 + 1.9 * (i * (a + 2)) as f64).sin() * [4.0, 2.5][a];
+        let by_error = |k: usize, a: usize, e: usize| (0.7 * (k + 1) as f64 * (e + 1) as f64 + a as f64).cos();
+        let flow = |k: usize, a: usize| [[3.0, -1.0], [0.5, 2.0], [-2.0, 0.3]][k][a];
+        let (alone, late) = ([0.6, 1.4, 2.2], 0.3);
+        let camera: [f64; NUMBERS] = std::array::from_fn(|e| 0.1 + 0.05 * e as f64);
+        let moved = |k: usize| Moved {
+            pixels: (0..DRAWS).map(|i| [0, 1].map(|a| pixel(k, i, a))).collect(),
+            by_error: [0, 1].map(|a| std::array::from_fn(|e| by_error(k, a, e))),
+            flow: [0, 1].map(|a| flow(k, a)),
+        };
+        let (found, common) = covariances(&[0, 1, 2].map(|k| Some(moved(k))), &alone, &Expected { camera, late });
+
+        // Of keypoints mixed with these weights: all that is linear in them.
+        let covariance = |mix: [f64; 3], a: usize, b: usize| {
+            let sum = |of: &dyn Fn(usize) -> f64| (0..3).map(|k| mix[k] * of(k)).sum::<f64>();
+            let at = |i: usize, a: usize| sum(&|k| pixel(k, i, a));
+            let mean = |a: usize| (0..DRAWS).map(|i| at(i, a)).sum::<f64>() / DRAWS as f64;
+            let drawn: f64 =
+                (0..DRAWS).map(|i| (at(i, a) - mean(a)) * (at(i, b) - mean(b))).sum::<f64>() / (DRAWS - 1) as f64;
+            let of_camera: f64 =
+                (0..NUMBERS).map(|e| sum(&|k| by_error(k, a, e)) * camera[e] * sum(&|k| by_error(k, b, e))).sum();
+            drawn + of_camera + late * sum(&|k| flow(k, a)) * sum(&|k| flow(k, b))
+        };
+        let unit = |k: usize| std::array::from_fn(|l| f64::from(u8::from(k == l)));
+        let own_variance = |k: usize, a: usize, b: usize| if a == b { alone[k] } else { 0.0 };
+        let trace = |k: usize| covariance(unit(k), 0, 0) + covariance(unit(k), 1, 1) + 2.0 * alone[k];
+        let weights = [0, 1, 2].map(|k| 1.0 / trace(k));
+        let shared = weights.map(|weight| weight / weights.iter().sum::<f64>());
+        for (pair, (a, b)) in [(0, 0), (0, 1), (1, 1)].into_iter().enumerate() {
+            assert!((common[pair] - covariance(shared, a, b)).abs() < 1e-9);
+            for k in 0..3 {
+                let Predicted { mean, total, own } = found[k].unwrap();
+                let apart: [f64; 3] = std::array::from_fn(|l| unit(k)[l] - shared[l]);
+                assert!((total[pair] - covariance(unit(k), a, b) - own_variance(k, a, b)).abs() < 1e-9);
+                assert!((own[pair] - covariance(apart, a, b) - own_variance(k, a, b)).abs() < 1e-9);
+                let middle = (0..DRAWS).map(|i| pixel(k, i, a)).sum::<f64>() / DRAWS as f64;
+                assert!((mean[a] - middle).abs() < 1e-9);
+            }
+        }
+    }
+
     /// One keypoint stands where the camera turns about: it does not move, and has a region all the same.
     #[test]
     fn a_keypoint_that_moves_less_than_all_share_keeps_a_region() {
