@@ -415,4 +415,39 @@ mod tests {
             assert!(written(&root.path().join(stop.to_string()), stop) == unbroken, "stopped after {stop}");
         }
     }
+
+    fn frames_in(folder: &Path) -> usize {
+        fs::read_to_string(folder.join("frames.csv")).unwrap().lines().count() - 1
+    }
+
+    #[test]
+    fn whole_results_stay_until_new_ones_are_whole() {
+        let root = tempfile::tempdir().unwrap();
+        let folder = root.path().join("out");
+        let run = |frames: u64, complete: bool| {
+            let claim = claim(&folder, &[], true).unwrap();
+            ResultFolder::begin(&claim).unwrap();
+            let mut results = ResultFolder::open(claim, info(), Texts::default(), None).unwrap();
+            (0..frames).for_each(|number| results.append(&turning(number, &info())).unwrap());
+            let written = results.keep().unwrap();
+            results.finish(&Ending { complete, ..Ending::default() }).unwrap();
+            written
+        };
+        let says_complete = || fs::read_to_string(folder.join("summary.json")).unwrap().contains("\"complete\": true");
+        run(6, true);
+        assert!(frames_in(&folder) == 6 && says_complete());
+        // Interrupted: what was there stays, what was done lies beside it and is continued.
+        let written = run(4, false);
+        assert!(frames_in(&folder) == 6 && says_complete() && folder.join("frames.csv.partial").exists());
+        let claim = claim_to_resume(&folder, &[]).unwrap();
+        let mut results = ResultFolder::open(claim, info(), Texts::default(), Some(&written)).unwrap();
+        assert!(frames_in(&folder) == 6 && says_complete());
+        results.append(&turning(4, &info())).unwrap();
+        results.finish(&Ending { complete: true, ..Ending::default() }).unwrap();
+        assert!(frames_in(&folder) == 5 && says_complete());
+        // Where there was nothing, a part is written, and says so.
+        fs::remove_dir_all(&folder).unwrap();
+        run(3, false);
+        assert!(frames_in(&folder) == 3 && !says_complete());
+    }
 }

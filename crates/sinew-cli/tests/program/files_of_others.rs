@@ -104,33 +104,6 @@ fn files_of_others_in_the_way_are_named_and_stay() {
     assert!(!trial.path("out/report.html").exists());
 }
 
-/// Whole results are worth more than a part of new ones.
-#[test]
-fn whole_results_stay_where_new_ones_end_early() {
-    let trial = trial(0.3);
-    tracked(&trial, &[], 0, "");
-    let before = files(&trial.path("out"));
-    let frame = trial.keypoints(2, 7);
-    let text = fs::read_to_string(&frame).unwrap();
-    fs::write(&frame, "{\"people\": 3}").unwrap();
-    let forced = ["--force", "--seed=2", "--people=1", "--setup=setup.toml"];
-    fs::copy(trial.path("out/setup.toml"), trial.path("setup.toml")).unwrap();
-    assert_eq!(trial.track(&forced).status.code(), Some(3));
-    let after = files(&trial.path("out"));
-    assert!(before.iter().all(|(name, bytes)| name == "sinew.files" || after[name] == *bytes), "{:?}", after.keys());
-    assert!(after.contains_key("checkpoint.bin") && after.contains_key("joints.csv.partial"));
-    // It is continued from there.
-    fs::write(&frame, text).unwrap();
-    tracked(&trial, &["--resume", "--seed=2", "--people=1", "--setup=setup.toml"], 0, "");
-    tracked(&trial, &["-ofresh", "--seed=2", "--people=1", "--setup=setup.toml"], 0, "");
-    let without_times = |folder: &str| {
-        let mut all = files(&trial.path(folder));
-        all.remove("timings.json");
-        all
-    };
-    assert!(without_times("out") == without_times("fresh"));
-}
-
 const SMALL: [&str; 6] = ["simulate", "-orec", "--duration=0.2", "--fps=20", "--size=96x72", "--no-progress"];
 
 #[test]
