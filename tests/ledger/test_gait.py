@@ -114,7 +114,7 @@ def test_events_are_inside_their_intervals(walks, event):
         expected = sum(steady(extrema(side)[event]).sum() for side in (0, 1))
         assert abs(len(own) - expected) <= 1
         assert set(own.point) == ({"LHeel", "RHeel"} if event == "heel_strike" else {"LBigToe", "RBigToe"})
-        assert set(own.definition) == {f"point farthest {'ahead of' if event == 'heel_strike' else 'behind'} the pelvis, not contact"}
+        assert set(own.definition) == {f"point farthest {'ahead of' if event == 'heel_strike' else 'behind'} the pelvis (not contact)"}
         assert np.allclose(own.frame, own.time_s * RATE_HZ, atol=1e-6)
         hits.append((own.time_q05_s < truth) & (truth < own.time_q95_s))
         away += list(own.time_s - truth)

@@ -411,6 +411,25 @@ fn people_who_pass_each_other_keep_their_names_in_all_views() {
     }
 }
 
+/// For five frames nobody sees them. Where they come out each stands nearer to where the other one went in.
+#[test]
+fn people_who_pass_each_other_unseen_keep_their_names() {
+    let cameras = cameras();
+    let mut identities = Identities::new(&cameras, segments(), 30.0, Config::default());
+    let mut begun = None;
+    for frame in 0..60 {
+        let x = 0.05 * frame as f64 - 1.475;
+        let is_hidden = (27..32).contains(&frame);
+        let figures = [figure(x, 0.1, 1.0), figure(-x, -0.1, 1.0)];
+        let seen: &[Vec<[f64; 3]>] = if is_hidden { &[] } else { &figures };
+        let named = identities.name(&listed(&cameras, seen, frame));
+        if !is_hidden {
+            let now = names(&named, 2, frame);
+            assert_eq!(*begun.get_or_insert(now.clone()), now, "frame {frame}");
+        }
+    }
+}
+
 /// Who comes to stay when `figures` are there for some frames each, one after the other.
 fn staying(acts: &[(u64, Vec<Vec<[f64; 3]>>)]) -> Vec<usize> {
     let cameras = cameras();

@@ -278,9 +278,9 @@ impl ResultFolder {
         // A run that cannot be sure of its summary keeps what it could be resumed from.
         if claim.storage.sync(&claim.folder).is_ok() && ending.complete {
             drop(journal);
-            // The results are whole: what stays does no harm, and `--resume` says that there is nothing to do.
-            let _ = OWN_NAMES.iter().try_for_each(|name| claim.remove(name));
-            replace_former(&claim, &before, &new)?;
+            // The results are whole: what stays does no harm and is listed, and `--resume` says that there is nothing to do.
+            let removed = OWN_NAMES.iter().try_for_each(|name| claim.remove(name));
+            let _ = removed.and_then(|()| replace_former(&claim, &before, &new));
         }
         Ok(summary)
     }

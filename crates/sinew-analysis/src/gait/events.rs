@@ -48,8 +48,8 @@ impl GaitEventKind {
     #[must_use]
     pub const fn definition(self) -> &'static str {
         match self {
-            Self::HeelStrike => "point farthest ahead of the pelvis, not contact",
-            Self::ToeOff => "point farthest behind the pelvis, not contact",
+            Self::HeelStrike => "point farthest ahead of the pelvis (not contact)",
+            Self::ToeOff => "point farthest behind the pelvis (not contact)",
         }
     }
 }

@@ -39,7 +39,7 @@ fn a_walker_has_events_strides_and_cycles() {
     // What a time is stands beside it, and at the end of the answer.
     for (kind, definition) in kinds.iter().zip(column(&events, "definition")) {
         let way = if kind == "heel_strike" { "ahead of" } else { "behind" };
-        assert_eq!(definition, format!("point farthest {way} the pelvis, not contact"));
+        assert_eq!(definition, format!("point farthest {way} the pelvis (not contact)"));
     }
     let shown = trial.run(&["gait", "out", "-oshown"]);
     let last = String::from_utf8_lossy(&shown.stdout).lines().last().unwrap().to_owned();

@@ -3,7 +3,7 @@
 use crate::common::Trial;
 use crate::common::known_answers::{DEGREES, DRAWS, Mixture, Said, constants, drawn, run, unit, world_shift};
 use crate::common::linear_world::{Constant, FPS, POINTS, Script, World, numbers};
-use crate::common::path_posterior::DIM;
+use crate::common::path_posterior::{DIM, inverse};
 use crate::common::tally::Tally;
 
 /// Draws of which rates of filtered frames are made, and trajectories of a smoother.
@@ -97,6 +97,17 @@ fn hold(world: &World, trial: &Trial, out: &str, knows: Knows, tally: &mut Tally
                 );
             }
         }
+        let shared: [Vec<f64>; 3] = if has_keypoints {
+            let middle = |axis: usize| {
+                let all = (0..POINTS.len()).map(|point| said.point(frame, point, axis, |_| 0.0).means);
+                all.reduce(|a, b| a.iter().zip(b).map(|(a, b)| a + b).collect()).unwrap()
+            };
+            let shifts =
+                [0, 1, 2].map(|axis| (0..middle(0).len()).map(|draw| world_shift(world, axis, draw)).collect());
+            [0, 1, 2].map(|axis| followed(&middle(axis), &shifts).iter().map(|sum| sum / POINTS.len() as f64).collect())
+        } else {
+            Default::default()
+        };
         for (point, (name, ..)) in POINTS.iter().enumerate() {
             for axis in 0..3 {
                 let place = format!("body.{name}.place_{}_m", ["x", "y", "z"][axis]);
@@ -109,13 +120,28 @@ fn hold(world: &World, trial: &Trial, out: &str, knows: Knows, tally: &mut Tally
                     tally.place(&format!("{file}: mean_m"), mean, exact.mean(), exact.sd(), draws);
                     tally.sd(&format!("{file}: sd_m"), sd, exact.sd(), draws);
                     tally.interval(&format!("{file}: q05_m to q95_m"), [low, high], exact.interval(), draws);
-                    let shift = |draw: usize| if has_keypoints { world_shift(world, axis, draw) } else { 0.0 };
+                    let shift = |draw: usize| shared[axis].get(draw).copied().unwrap_or(0.0);
                     let means = exact.means.iter().enumerate().map(|(draw, mean)| mean - shift(draw)).collect();
                     tally.sd(&format!("{file}: sd_within_m"), within, Mixture { means, ..exact }.sd(), draws);
                 }
             }
         }
     }
+}
+
+/// The least-squares fit to a series over draws by others, all less their means.
+fn followed(series: &[f64], by: &[Vec<f64>; 3]) -> Vec<f64> {
+    let centred = |series: &[f64]| -> Vec<f64> {
+        let mean = series.iter().sum::<f64>() / series.len() as f64;
+        series.iter().map(|x| x - mean).collect()
+    };
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let (series, by) = (centred(series), by.each_ref().map(|by| centred(by)));
+    let squares: Vec<Vec<f64>> = by.iter().map(|a| by.iter().map(|b| product(a, b)).collect()).collect();
+    let (inverse, _) = inverse(&squares);
+    let right = by.each_ref().map(|by| product(by, &series));
+    let factors: Vec<f64> = inverse.iter().map(|row| product(row, &right)).collect();
+    (0..series.len()).map(|draw| (0..3).map(|k| factors[k] * by[k][draw]).sum()).collect()
 }
 
 /// Holds runs on worlds of some seeds.
