@@ -76,6 +76,7 @@ fn actions_of_an_earlier_run_are_removed() {
     for name in ["actions.csv", "actions.csv.partial"] {
         fs::write(out.join(name), "of another run").unwrap();
     }
+    fs::write(out.join("sinew.files"), r#"{"sinew_wrote": ["actions.csv", "actions.csv.partial"]}"#).unwrap();
     whole.run_in(claim(&out, &[], true).unwrap(), 1, None, None).unwrap();
     assert!(results(&out) == whole.files, "something else is there");
 }
