@@ -60,7 +60,7 @@ fn a_lag_in_milliseconds_is_of_the_rate_that_the_file_states() {
         for (frame, points) in frames.iter().enumerate() {
             for (name, id) in POINTS {
                 let Some(point) = points[layout.index(name).unwrap()] else { continue };
-                let (camera, time) = (camera + 1, frame as f64 / 60.0);
+                let (camera, time) = (camera + 1, frame as f64 / 50.0);
                 let _ = writeln!(text, "{frame},{camera},{frame},{time},{id},{},{}", point.x, point.y);
             }
         }
@@ -69,11 +69,11 @@ fn a_lag_in_milliseconds_is_of_the_rate_that_the_file_states() {
     let output = trial.run(&["sync", "--calibration", "Calib.toml", "--keypoints", "xy.csv"]);
     let answer = String::from_utf8(output.stdout.clone()).unwrap();
     let said = trial.printed(&output);
-    assert!(said.contains("60 frames per second, by the times in xy.csv"), "{said}");
+    assert!(said.contains("50 frames per second, by the times in xy.csv"), "{said}");
     let line = answer.lines().find(|line| line.starts_with("C3")).unwrap_or_else(|| panic!("{answer} {said}"));
     let number = |text: &str| text.split_whitespace().next().unwrap().parse::<f64>().unwrap();
     let (frames, ms) = (number(&line[2..]), number(line.split('(').nth(1).unwrap()));
-    assert!((frames - 1.6).abs() < 0.4 && (ms - frames * 1000.0 / 60.0).abs() < 0.2, "{line}");
+    assert!((frames - 1.6).abs() < 0.4 && (ms - frames * 1000.0 / 50.0).abs() < 0.2, "{line}");
 }
 
 const RECORDING: [&str; 4] = ["--calibration", "Calib.toml", "--keypoints", "pose"];
