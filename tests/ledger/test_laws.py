@@ -115,7 +115,7 @@ def test_cameras_under_other_names_in_another_order(track, recording, as_it_is):
 
 def test_a_camera_that_sees_nothing_changes_nothing(track, recording, as_it_is):
     blind = track("blind", laws.with_a_blind_camera(recording))
-    # Does not hold: the spread within the run is some 20 % wider (0.18, four seeds to 0.01). Draws of the errors of a camera that nobody is seen by count in the shift that all share.
+    # Does not hold: the spread within the run is some 20 % wider (0.18 ± 0.01, five seeds). Draws of the errors of a camera that nobody is seen by count in the shift that all share.
     joints_agree(as_it_is, blind, within=(0.1, 0.28))
     angles_agree(as_it_is, blind)
 
