@@ -389,7 +389,8 @@ fn a_run_that_was_stopped_is_not_replaced_unasked() {
     fs::create_dir(trial.path("out")).unwrap();
     fs::write(trial.path("out").join(sinew_results::problem::NAME), "").unwrap();
     fs::write(trial.path("out/joints.csv.partial"), "").unwrap();
-    fs::write(trial.path("out").join(LIST_NAME), r#"{"sinew_wrote": ["joints.csv.partial"]}"#).unwrap();
+    fs::write(trial.path("out").join(LIST_NAME), r#"{"sinew_wrote": ["checkpoint.bin", "joints.csv.partial"]}"#)
+        .unwrap();
     insta::assert_snapshot!("stopped_run", trial.track_printed(&[setup]));
     assert_eq!(fs::read(trial.path("out").join(sinew_results::problem::NAME)).unwrap(), b"");
     check_done(&trial, &[setup, "--force"]);
