@@ -358,8 +358,8 @@ mod tests {
         let shared = weights.map(|weight| weight / weights.iter().sum::<f64>());
         for (pair, (a, b)) in [(0, 0), (0, 1), (1, 1)].into_iter().enumerate() {
             assert!((common[pair] - covariance(shared, a, b)).abs() < 1e-9);
-            for k in 0..3 {
-                let Predicted { mean, total, own } = found[k].unwrap();
+            for (k, found) in found.iter().enumerate() {
+                let Predicted { mean, total, own } = found.unwrap();
                 let apart: [f64; 3] = std::array::from_fn(|l| unit(k)[l] - shared[l]);
                 assert!((total[pair] - covariance(unit(k), a, b) - own_variance(k, a, b)).abs() < 1e-9);
                 assert!((own[pair] - covariance(apart, a, b) - own_variance(k, a, b)).abs() < 1e-9);

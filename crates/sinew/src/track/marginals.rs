@@ -159,7 +159,7 @@ impl Marginals {
 /// Series without their mean that are orthogonal to each other and span the axes of the shifts, which repeat over `count` draws; axes that add nothing are left out.
 fn independent(shifts: &[[f64; 3]], count: usize) -> Vec<Vec<f64>> {
     let mut found: Vec<Vec<f64>> = vec![];
-    for axis in 0..3 {
+    for axis in [0, 1, 2_usize] {
         let whole = centred((0..count).map(|draw| shifts[draw % shifts.len()][axis]).collect());
         let fit = fitted(&whole, &found);
         let rest: Vec<f64> = whole.iter().zip(fit).map(|(x, fit)| x - fit).collect();

@@ -139,7 +139,7 @@ impl World {
             for camera in 0..CAMERAS.len() {
                 let is_there = |point: usize| !script.has_gaps || is_seen(frame, camera, point);
                 let mut points = vec![];
-                for point in 0..POINTS.len() {
+                for (point, (.., place)) in POINTS.iter().enumerate() {
                     let confidence = if script.has_gaps && (frame + point) % 4 == 3 { 0.5 * USUAL } else { USUAL };
                     let views =
                         (0..CAMERAS.len()).filter(|other| !script.has_gaps || is_seen(frame, *other, point)).count();
@@ -153,7 +153,7 @@ impl World {
                             script.lasting.iter().map(|g| g.value * pixels(&g.name, [camera, point, image_axis])).sum();
                         let at: f64 = by_state.iter().zip(state).map(|(by, x)| by * x).sum();
                         let value = at + variance.sqrt() * numbers.normal();
-                        *pixel += scale * POINTS[point].2[axis] + stated + value;
+                        *pixel += scale * place[axis] + stated + value;
                         let of = (camera * POINTS.len() + point) * 2 + image_axis;
                         if is_there(point) {
                             rows.push(Row { frame, of, by_state, value, variance });
