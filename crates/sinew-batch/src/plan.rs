@@ -37,7 +37,7 @@ pub struct StudyPlan {
     /// What trials share.
     #[serde(default)]
     pub share: Share,
-    /// How many trials there are: `tasks.jsonl` has a line for each. [`write`] counts them.
+    /// How many trials there are: `tasks.jsonl` has a line for each. [`write()`] counts them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trials: Option<usize>,
 }
