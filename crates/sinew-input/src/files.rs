@@ -114,7 +114,7 @@ mod tests {
 
     /// Files with holes: a film larger than what is read, and one that would fit.
     #[test]
-    fn of_a_film_no_more_than_the_beginning_is_read() {
+    fn only_the_beginning_of_a_film_is_read() {
         let root = tempfile::tempdir().unwrap();
         let path = root.path().join("film.trc");
         for (bytes, said) in

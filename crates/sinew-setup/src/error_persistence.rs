@@ -43,13 +43,13 @@ impl Residuals {
     }
 
     /// Correlation of the residuals of successive frames of a stretch, and how many pairs it is of; `stretches` says in which stretch each frame is.
-    pub(super) fn of_successive(&self, stretches: &[usize]) -> (f64, f64) {
+    pub(super) fn successive_correlation(&self, stretches: &[usize]) -> (f64, f64) {
         let pairs = (1..stretches.len()).map(|frame| (frame - 1, frame));
         self.correlation(&pairs.filter(|&(one, other)| stretches[one] == stretches[other]).collect::<Vec<_>>())
     }
 
     /// How many times over the stretches tell the same: 1 + (n − 1) ρ for n stretches, with ρ the correlation of the residuals of each frame with those of the frame of every other stretch in which the person's points, `bodies`, are most alike. Errors of a detector come from what it sees. Of n copies of a recording it is n where ρ is 1; 1 where errors of alike frames have nothing in common.
-    pub(super) fn told_again(&self, stretches: &[usize], bodies: &[Vec<f64>]) -> f64 {
+    pub(super) fn redundancy(&self, stretches: &[usize], bodies: &[Vec<f64>]) -> f64 {
         let apart = |one: usize, other: usize| -> f64 {
             bodies[one].iter().zip(&bodies[other]).map(|(a, b)| (a - b).powi(2)).sum()
         };
@@ -101,7 +101,7 @@ mod tests {
     }
 
     /// How many times over four stretches of 20 frames tell the same, where the error in frame `at` of a stretch is `error(stretch, at)` for each of 50 points, and what the frames show is at `place(stretch, at)`.
-    fn of_four(error: impl Fn(usize, usize, usize) -> f64, place: impl Fn(usize, usize) -> f64) -> f64 {
+    fn redundancy_of_four(error: impl Fn(usize, usize, usize) -> f64, place: impl Fn(usize, usize) -> f64) -> f64 {
         let places: Vec<(usize, usize)> = (0..4).flat_map(|stretch| (0..20).map(move |at| (stretch, at))).collect();
         let frame = |&(stretch, at): &(usize, usize)| {
             let residual = |point| {
@@ -113,7 +113,7 @@ mod tests {
         let frames: Vec<LinearisedFrame> = places.iter().map(frame).collect();
         let stretches: Vec<usize> = places.iter().map(|(stretch, _)| *stretch).collect();
         let bodies: Vec<Vec<f64>> = places.iter().map(|&(stretch, at)| vec![place(stretch, at), 0.0, 0.0]).collect();
-        Residuals::new(&frames, 1, 50).told_again(&stretches, &bodies)
+        Residuals::new(&frames, 1, 50).redundancy(&stretches, &bodies)
     }
 
     /// Numbers without order, of variance 1.
@@ -125,17 +125,19 @@ mod tests {
     #[test]
     fn copies_tell_nothing_new_and_recordings_with_errors_of_their_own_do() {
         let along = |_: usize, at: usize| at as f64;
-        let copies = of_four(|_, at, point| scattered(at, point), along);
+        let copies = redundancy_of_four(|_, at, point| scattered(at, point), along);
         assert!((copies - 4.0).abs() < 1e-9, "{copies}");
         let own = |stretch: usize, at: usize, point: usize| scattered(20 * stretch + at, point);
-        let different = of_four(own, along);
+        let different = redundancy_of_four(own, along);
         assert!(different < 1.1, "{different}");
         // Half of the variance of the errors comes from what is seen: 1 + 3 · ½.
-        let half = of_four(|s, at, point| (scattered(at, point) + own(s + 4, at, point)) * 0.5_f64.sqrt(), along);
+        let half =
+            redundancy_of_four(|s, at, point| (scattered(at, point) + own(s + 4, at, point)) * 0.5_f64.sqrt(), along);
         assert!((half - 2.5).abs() < 0.15, "{half}");
         // The same errors, but of other poses: nothing alike is seen.
-        let elsewhere = of_four(|_, at, point| scattered(at, point), |stretch, at| ((at + 5 * stretch) % 20) as f64);
+        let elsewhere =
+            redundancy_of_four(|_, at, point| scattered(at, point), |stretch, at| ((at + 5 * stretch) % 20) as f64);
         assert!(elsewhere < 1.1, "{elsewhere}");
-        assert_eq!(Residuals::new(&[], 1, 50).told_again(&[], &[]), 1.0);
+        assert_eq!(Residuals::new(&[], 1, 50).redundancy(&[], &[]), 1.0);
     }
 }

@@ -338,11 +338,11 @@ impl Fit {
         }
         let residuals = Residuals::new(frames, self.errors.cameras, self.errors.points);
         let stretches: Vec<usize> = self.frames.iter().map(|frame| frame.stretch).collect();
-        let (found, pairs) = residuals.of_successive(&stretches);
+        let (found, pairs) = residuals.successive_correlation(&stretches);
         self.persistence_s = persistence_s(found, self.worth * pairs, self.seconds_apart);
         let phi = (-self.seconds_apart / self.persistence_s).exp();
         let bodies: Vec<Vec<f64>> = self.frames.iter().map(|frame| self.body.at(&frame.pose).positions).collect();
-        let again = residuals.told_again(&stretches, &bodies);
+        let again = residuals.redundancy(&stretches, &bodies);
         self.worth = 1.0 / (again * (1.0 + 2.0 * LASTING_SHARE * phi / (1.0 - phi)));
     }
 

@@ -326,7 +326,7 @@ mod tests {
 
     /// 2²⁸ numbers of which one chunk is there, and a million texts more than are read.
     #[test]
-    fn what_is_only_promised_takes_no_memory() {
+    fn promised_chunks_take_no_memory() {
         let promise = |kind: &str, codec: &str, count: usize| {
             format!(
                 "{{\"shape\":[{count}],\"data_type\":\"{kind}\",\"chunk_grid\":{{\"configuration\":{{\"chunk_shape\":[2]}}}},\

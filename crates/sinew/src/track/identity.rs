@@ -32,7 +32,7 @@ pub(super) fn shown(frame: &Frame) -> Option<u64> {
 }
 
 /// A hash of what a set-up found first, which tells it from others.
-pub(super) fn of_setup(setup: &Setup) -> u64 {
+pub(super) fn setup_hash(setup: &Setup) -> u64 {
     let numbers = setup.start_pose.iter().fold(FNV_START, |hash, x| fnv(hash, &x.to_bits().to_le_bytes()));
     fnv(numbers, &(setup.person as u64).to_le_bytes())
 }

@@ -14,7 +14,7 @@
 
 use super::describe::Describer;
 use super::error::TrackError;
-use super::identity::{of_setup, seed_of, shown};
+use super::identity::{seed_of, setup_hash, shown};
 use super::images::{ImageState, Images};
 use super::lasting::Lasting;
 use super::marginals::Marginals;
@@ -105,7 +105,7 @@ impl Pipeline {
         image_cameras: Option<&[Camera]>,
     ) -> Result<Self, Error> {
         let seed = settings.seed;
-        let settings = Settings { seed: seed_of(seed, of_setup(setup)), ..settings };
+        let settings = Settings { seed: seed_of(seed, setup_hash(setup)), ..settings };
         let scene = Scene::new(setup, tree, cameras, layout, &settings)?;
         let with_flesh = |sized: &[Camera]| {
             let ratio = |(sized, camera): (&Camera, &Camera)| sized.image_size_px[0] / camera.image_size_px[0];

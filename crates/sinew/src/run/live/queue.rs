@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn who_sends_too_fast_waits_until_there_is_room_or_nobody_left() {
+    fn a_fast_sender_waits_for_room() {
         let queue = Queue::new(false);
         let taken = std::thread::scope(|scope| {
             let sender = scope.spawn(|| (0..).take_while(|&number| queue.push(Views { number, seen: vec![] })).count());

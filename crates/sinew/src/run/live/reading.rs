@@ -133,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_said_of_a_line_is_no_longer_than_a_few_sentences() {
+    fn messages_about_a_line_are_cut() {
         let long = "\u{e9}".repeat(8 << 20);
         assert_eq!(bounded(&long).chars().count(), MOST_WORDS);
         assert_eq!(bounded("no calibration for `C7`"), "no calibration for `C7`");
