@@ -7,7 +7,7 @@ use sinew_observe::Camera;
 use sinew_observe::lasting::lasting_errors::{LastingErrors, common_shift};
 use std::ops::Range;
 
-/// The shift of the world that each draw of the cameras looks like at the middle of the set-up's frames; 0 where fewer than two see it.
+/// The shift of the world that each draw of the cameras that showed somebody looks like at the middle of the set-up's frames; 0 where fewer than two see it.
 #[must_use]
 pub fn world_shifts(
     cameras: &[Camera],
@@ -16,13 +16,15 @@ pub fn world_shifts(
     known: &MeasuredErrors,
 ) -> Vec<[f64; 3]> {
     let draws = known.draws();
+    let showing: Vec<usize> = (0..cameras.len()).filter(|c| !known.unseeing.contains(&cameras[*c].name)).collect();
+    let showing_cameras: Vec<Camera> = showing.iter().map(|camera| cameras[*camera].clone()).collect();
     let from_draw = |draw: usize| {
-        let error = |camera: usize| {
-            let first = errors.camera(camera).start;
+        let error = |camera: &usize| {
+            let first = errors.camera(*camera).start;
             std::array::from_fn(|k| deviations[(first + k) * draws + draw])
         };
-        let drawn: Vec<_> = (0..cameras.len()).map(error).collect();
-        common_shift(cameras, &drawn, known.middle_m).unwrap_or_default()
+        let drawn: Vec<_> = showing.iter().map(error).collect();
+        common_shift(&showing_cameras, &drawn, known.middle_m).unwrap_or_default()
     };
     (0..draws).map(from_draw).collect()
 }

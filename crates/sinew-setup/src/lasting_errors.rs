@@ -31,6 +31,9 @@ pub struct MeasuredErrors {
     pub version: u32,
     /// Names of the cameras.
     pub cameras: Vec<String>,
+    /// Those of them that showed nobody in the frames looked at: of their errors only the prior is known.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unseeing: Vec<String>,
     /// Names of the body's points that are keypoints.
     pub points: Vec<String>,
     /// Middle of the person in the frames looked at, metres: biases are in metres at its distance.
@@ -192,6 +195,7 @@ mod tests {
         let mut known = MeasuredErrors {
             version: VERSION,
             cameras: vec!["C1".into()],
+            unseeing: vec![],
             points: vec!["LKnee".into()],
             middle_m: [0.0; 3],
             frames: 2,

@@ -115,6 +115,7 @@ mod tests {
         let mut known = MeasuredErrors {
             version: VERSION,
             cameras: vec!["C1".into(), "C2".into()],
+            unseeing: vec![],
             points: vec![],
             middle_m: [0.0; 3],
             frames: 2,

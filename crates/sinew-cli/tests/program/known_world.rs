@@ -129,19 +129,20 @@ fn hold(world: &World, trial: &Trial, out: &str, knows: Knows, tally: &mut Tally
     }
 }
 
-/// The least-squares fit to a series over draws by others, all less their means.
+/// The least-squares fit to a series over draws by others, all less their means; one that never changes explains nothing.
 fn followed(series: &[f64], by: &[Vec<f64>; 3]) -> Vec<f64> {
     let centred = |series: &[f64]| -> Vec<f64> {
         let mean = series.iter().sum::<f64>() / series.len() as f64;
         series.iter().map(|x| x - mean).collect()
     };
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let (series, by) = (centred(series), by.each_ref().map(|by| centred(by)));
+    let series = centred(series);
+    let by: Vec<Vec<f64>> = by.iter().map(|by| centred(by)).filter(|by| product(by, by) > 0.0).collect();
     let squares: Vec<Vec<f64>> = by.iter().map(|a| by.iter().map(|b| product(a, b)).collect()).collect();
     let (inverse, _) = inverse(&squares);
-    let right = by.each_ref().map(|by| product(by, &series));
+    let right: Vec<f64> = by.iter().map(|by| product(by, &series)).collect();
     let factors: Vec<f64> = inverse.iter().map(|row| product(row, &right)).collect();
-    (0..series.len()).map(|draw| (0..3).map(|k| factors[k] * by[k][draw]).sum()).collect()
+    (0..series.len()).map(|draw| factors.iter().zip(&by).map(|(factor, by)| factor * by[draw]).sum()).collect()
 }
 
 /// Holds runs on worlds of some seeds.

@@ -33,6 +33,7 @@ impl Fit {
         let longer: Vec<f64> = errors.lengths().map(|place| rounded(found.mean[place])).collect();
         setup.lasting = Some(MeasuredErrors {
             version: VERSION,
+            unseeing: (0..cameras.len()).filter(|c| !self.shows_somebody(*c)).map(|c| cameras[c].clone()).collect(),
             number: errors.names(&cameras, &length_names(), points).into_iter().enumerate().map(number).collect(),
             cameras,
             points: points.clone(),
@@ -53,6 +54,11 @@ impl Fit {
         if let Some(frame) = self.frames.pop() {
             setup.start_pose = frame.pose;
         }
+    }
+
+    /// Whether a camera has a keypoint in any frame.
+    fn shows_somebody(&self, camera: usize) -> bool {
+        self.frames.iter().any(|frame| frame.detections[camera].iter().any(Option::is_some))
     }
 }
 
