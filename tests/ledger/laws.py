@@ -115,3 +115,15 @@ def reversed_in_time(recording):
     """The last frame first, within the numbers that there are."""
     keypoints = {name: dict(zip(frames, list(frames.values())[::-1])) for name, frames in recording.keypoints.items()}
     return Recording(recording.cameras, keypoints, recording.fps)
+
+
+def without(recording, point):
+    """No camera sees a point."""
+    keypoints = {name: {} for name in recording.keypoints}
+    for name, frames in recording.keypoints.items():
+        for number, points in frames.items():
+            if points is not None:
+                points = points.copy()
+                points[NAMES.index(point)] = 0
+            keypoints[name][number] = points
+    return Recording(recording.cameras, keypoints, recording.fps)

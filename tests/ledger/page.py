@@ -4,11 +4,13 @@ import tomllib
 from fnmatch import fnmatchcase
 from pathlib import Path
 
+import drawn  # noqa: F401
 import frames  # noqa: F401
 import ledger
 import motion  # noqa: F401
 import overall  # noqa: F401
 import visibility  # noqa: F401
+import weighted  # noqa: F401
 
 ROOT = Path(__file__).resolve().parents[2]
 PATH = ROOT / "docs/evidence/ledger.md"

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import zarr
+from page_file import curves, numbers_of_page
 
 TABLES = ("joints.csv", "keypoints.csv", "angles.csv", "state.csv", "frames.csv", "markers_sd.csv")
 
@@ -48,6 +49,10 @@ def read(folder: Path, calibration: Path, said: str, fps: float, numbers: list[i
     summary = json.loads((folder / "summary.json").read_text())
     tables["summary.json"] = pd.DataFrame([flat(summary)])
     tables["terminal"] = pd.DataFrame([numbers_said(said)])
+    if (folder / "report.html").exists():
+        html = (folder / "report.html").read_text()
+        tables["report.html"] = pd.DataFrame([numbers_of_page(html)])
+        tables["report.html curves"] = curves(html)
     groups = {name: zarr.open_group(folder / "posterior.zarr" / name, mode="r") for name in ("posterior", "sample_stats", "observed_data")}
     arrays = {name: {key: array[:] for key, array in group.arrays()} for name, group in groups.items()}
     return Results(

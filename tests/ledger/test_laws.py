@@ -57,16 +57,20 @@ def angles(run, numbers=slice(None)):
 LASTING_DRAWS = 128
 
 
-def agree(ours, theirs, sds, what="points"):
-    """Means agree as far as Monte Carlo errors let one say; their root mean square is that of three numbers (the shift along three axes) with probability 0.999."""
+# Root mean square of three normal numbers (points share a shift along three axes), and of one (an angle), exceeded with probability 0.001 and, of 26 angles, 0.0001.
+OF_THREE, OF_ONE = 2.4, 3.9
+
+
+def agree(ours, theirs, sds, what="points", limit=OF_THREE):
+    """Means agree as far as Monte Carlo errors let one say."""
     away = abs(ours - theirs) / (sds * np.sqrt(2 / LASTING_DRAWS))
-    assert np.sqrt((away**2).mean()) < 2.4 and away.max() < 6, (what, np.sqrt((away**2).mean()), away.max())
+    assert np.sqrt((away**2).mean()) < limit and away.max() < 6, (what, np.sqrt((away**2).mean()), away.max())
 
 
-def joints_agree(ours, theirs, moved=lambda points: points, rows=slice(None), order=slice(None)):
-    """Points agree after those of the first run were moved; `rows` and `order` are the frames and points of the second."""
-    mean, *spreads = joints(ours)
-    other, *other_spreads = (value[rows][:, order] for value in joints(theirs))
+def joints_agree(ours, theirs, moved=lambda points: points, rows=slice(None), order=slice(None), points=slice(None), frames=slice(None)):
+    """Points agree after those of the first run were moved; `rows` and `order` are the frames and points of the second, `points` those of the first, `frames` those of both that are looked at."""
+    mean, *spreads = (value[:, points][frames] for value in joints(ours))
+    other, *other_spreads = (value[rows][:, order][frames] for value in joints(theirs))
     agree(moved(mean), other, other_spreads[0])
     # Standard deviations agree to 15 %, three of their standard errors, in the mean over all.
     for first, second in zip(spreads, other_spreads):
@@ -74,7 +78,7 @@ def joints_agree(ours, theirs, moved=lambda points: points, rows=slice(None), or
         assert abs(np.log(second / first).mean()) < 0.15, np.log(second / first).mean()
 
 
-def angles_agree(ours, theirs, law=lambda name: (name, 1, 0.0), rows=slice(None)):
+def angles_agree(ours, theirs, law=lambda name: (name, 1, 0.0), rows=slice(None), frames=slice(None)):
     """Angles that keypoints show agree; others wander from frame to frame by the Monte Carlo errors of all frames before.
 
     `law` gives the name of an angle in the second run, its sign there, and what is added; none where nothing is known.
@@ -89,7 +93,7 @@ def angles_agree(ours, theirs, law=lambda name: (name, 1, 0.0), rows=slice(None)
         there, sign, by = known
         at = names_there.index(there)
         difference = (sign * first[:, k] + by - second[:, at] + 180) % 360 - 180
-        agree(difference, 0.0, spread[:, at], name)
+        agree(difference[frames], 0.0, spread[:, at][frames], name, OF_ONE)
         looked_at += 1
     assert looked_at > 20
 
@@ -159,3 +163,23 @@ def test_twice_the_rate_with_every_second_frame_empty(track, recording, as_it_is
     joints_agree(same, twice, rows=every_second)
     angles_agree(same, twice, rows=every_second)
     assert (twice.tables["frames.csv"].observed == [1 - k % 2 for k in range(len(numbers))]).all()
+
+
+def test_time_reversed(track, recording):
+    """A smoothed walk is the same, its last frame first: what a random walk says of a step does not know its direction. At the ends something is known of the first frame alone."""
+    forward = track("forward", recording, options=["--smooth"])
+    last = max(recording.keypoints["C1"])
+    numbers = range(last - NUMBERS[-1], last - NUMBERS[0] + 1)
+    backward = track("backward", laws.reversed_in_time(recording), numbers, ["--smooth"])
+    joints_agree(forward, backward, rows=slice(None, None, -1), frames=slice(2, -2))
+    angles_agree(forward, backward, rows=slice(None, None, -1), frames=slice(2, -2))
+
+
+def test_a_point_that_no_camera_sees(track, recording, as_it_is):
+    """Other points stay where they are, but for the elbow, which it tells of; of this one only the motion before is known, and the limb that it ends."""
+    missing = track("missing", laws.without(recording, "LWrist"))
+    names = list(as_it_is.draws["marker"])
+    others = [k for k, name in enumerate(names) if name not in ("LWrist", "LElbow")]
+    joints_agree(as_it_is, missing, points=others, order=others)
+    before, after = (np.sqrt((joints(run)[2][:, names.index("LWrist")] ** 2).sum(-1)) for run in (as_it_is, missing))
+    assert (after > 2 * before).all(), after / before

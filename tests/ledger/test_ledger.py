@@ -3,6 +3,7 @@
 import json
 import shutil
 
+import drawn  # noqa: F401
 import frames
 import ledger
 import motion  # noqa: F401
@@ -11,30 +12,37 @@ import page
 import pytest
 import results
 import visibility  # noqa: F401
+import weighted  # noqa: F401
 
 FPS = 30.0
+# Of the smoothed run: a rate that is no whole number.
+BROADCAST_FPS = 59.94
 FIRST, LAST = 3, 15
 
 
 @pytest.fixture(scope="session")
 def runs(call, walk, tmp_path_factory):
-    """Three runs of one walk: filtered, smoothed, and filtered by a set-up in which nothing lasts. In one frame one camera sees the person."""
+    """Four runs of one walk: filtered, smoothed, and with a set-up in which nothing lasts filtered by chains and by particles that are weighed. In one frame one camera sees the person."""
     folder = tmp_path_factory.mktemp("ledger")
     shutil.copytree(walk / "keypoints", folder / "keypoints")
     shutil.copy(walk / "Calib.toml", folder)
     for camera in ("C2", "C3", "C4"):
         (folder / f"keypoints/{camera}_json/{camera}.0010.json").write_text(json.dumps({"version": 1.3, "people": []}))
-    every = ["track", "--calibration", "Calib.toml", "--keypoints", "keypoints", "--layout", "BODY_25B", "--fps", FPS]
+    every = ["track", "--calibration", "Calib.toml", "--keypoints", "keypoints", "--layout", "BODY_25B"]
     every += ["--frames", f"{FIRST}..{LAST}", "--patience", 1, "--seed", 1]
     # All draws are kept, so that what is said of them can be computed from them again.
     all_draws = ["--draws", 16 * 25]
-    said = {"filtered": call(folder, *every, *all_draws, "-o", "filtered")}
+    said = {"filtered": call(folder, *every, "--fps", FPS, *all_draws, "-o", "filtered")}
     setup = (folder / "filtered/setup.toml").read_text()
     (folder / "plain.toml").write_text(setup[: setup.index("[lasting]")])
-    said["smoothed"] = call(folder, *every, "--smooth", "--draws", 128, "--setup", "filtered/setup.toml", "-o", "smoothed")
-    said["plain"] = call(folder, *every, *all_draws, "--setup", "plain.toml", "-o", "plain")
+    said["smoothed"] = call(folder, *every, "--fps", BROADCAST_FPS, "--smooth", "--draws", 128, "--setup", "filtered/setup.toml", "-o", "smoothed")
+    said["weighted"] = call(folder, *every, "--fps", FPS, "--method", "guided", "--draws", 1000, "--setup", "plain.toml", "-o", "weighted")
+    said["plain"] = call(folder, *every, "--fps", FPS, *all_draws, "--setup", "plain.toml", "-o", "plain")
     numbers = list(range(FIRST, LAST))
-    return {name: results.read(folder / name, folder / "Calib.toml", text, FPS, numbers) for name, text in said.items()}
+    for name in said:
+        call(folder, "report", name)
+    rates = {name: BROADCAST_FPS if name == "smoothed" else FPS for name in said}
+    return {name: results.read(folder / name, folder / "Calib.toml", text, rates[name], numbers) for name, text in said.items()}
 
 
 @pytest.mark.parametrize("check", ledger.CHECKS, ids=lambda check: check.run.__name__)

@@ -72,21 +72,21 @@ pub fn measure_lasting(
     fps: f64,
     seed: u64,
 ) -> Result<(), Error> {
-    measure_lasting_with(setup, source, numbers, fps, seed, None).map(drop)
+    measure_lasting_with(setup, source, numbers, (fps, seed), None, &mut || Ok::<_, Error>(())).map(drop)
 }
 
-/// As [`measure_lasting`], with cameras that other recordings share, if these are the cameras of the source; gives what its own frames say of them.
+/// As [`measure_lasting`], with cameras that other recordings share, if these are the cameras of the source; gives what its own frames say of them. `proceed` is called every few tenths of a second and may stop.
 ///
 /// # Errors
-/// As [`measure_lasting`].
-pub fn measure_lasting_with(
+/// As [`measure_lasting`]; errors of `proceed`.
+pub fn measure_lasting_with<E: From<Error>>(
     setup: &mut Setup,
     source: &mut dyn FrameSource,
     numbers: Range<u64>,
-    fps: f64,
-    seed: u64,
+    (fps, seed): (f64, u64),
     shared_cameras: Option<&SharedCameras>,
-) -> Result<CameraInformation, Error> {
+    proceed: &mut dyn FnMut() -> Result<(), E>,
+) -> Result<CameraInformation, E> {
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let tree = setup.tree();
     let shared: Vec<(usize, usize)> =
@@ -97,6 +97,7 @@ pub fn measure_lasting_with(
     fit.held = shared_cameras.filter(|shared| shared.cameras == names).map(|shared| shared.held.clone());
     fit.at_errors(&cameras);
     for round in 0..ROUNDS {
+        proceed()?;
         let pass = fit.pass()?;
         let found = fit.drawn(&pass.data, ROUND, Stage::new(seed, "lasting rounds").round(round))?;
         fit.settle(&pass.data, &found)?;
@@ -107,6 +108,7 @@ pub fn measure_lasting_with(
             fit.scatter(&pass);
         }
     }
+    proceed()?;
     let pass = fit.pass()?;
     let found = fit.drawn(&pass.data, SweepSchedule::default(), Stage::new(seed, "lasting"))?;
     let poses: Vec<_> = fit.frames.iter().zip(&pass.responses).map(|(frame, j)| (&frame.pose[..], &j[..])).collect();
@@ -114,7 +116,8 @@ pub fn measure_lasting_with(
     let build = |sizes: &_| setup.body.tree(sizes);
     let source = point_sources(build, &setup.proportions, &fit.errors, &found, &poses, keypoint_at);
     let scales = fit.median_scales(&found);
-    let said = said_of(&fit.levelled(&pass.data), &fit.prior, &scales, &(0..NUMBERS * cameras.len()))?;
+    let said =
+        said_of(&fit.levelled(&pass.data), &fit.prior, &scales, &(0..NUMBERS * cameras.len())).map_err(Error::from)?;
     fit.store(setup, found, source);
     let LastingData { information, pull } = said;
     Ok(CameraInformation { cameras: names, world_up: setup.world_up.clone(), information, pull })

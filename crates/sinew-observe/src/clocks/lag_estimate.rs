@@ -12,6 +12,8 @@
 //! of somebody who walks straight ahead, a lag and an offset look alike, and cameras that are not quite where their calibration says have other offsets wherever they are. It is the swing of their limbs that says how late a camera is. What is found is taken away, by interpolation between frames ([`crate::clocks::between_frames`]), and the rest is estimated again until nothing is left: V is constant over a few frames only, and velocities have errors. A lag common to all cameras is not
 //! seen: lags are those against the largest group of cameras that agree within half a frame, or against the first camera where all differ.
 //!
+//! A lag is known only if it follows a test: where a camera is off, its views are moved in time and its lag is estimated again. Keypoints that stand on a coarse grid of pixels while somebody hardly moves have lags that do not.
+//!
 //! A weak prior keeps what nothing determines at 0 with a standard deviation of `PRIOR_FRAMES`, and a drift of `PRIOR_PPM`; drifts are taken where one of them is certain.
 
 use crate::cameras::camera::Camera;
@@ -92,6 +94,9 @@ const NOT_FREE: f64 = 1e-6;
 /// Standard deviations of a keypoint's offset, pixels: one that lets a lag alone, and one as calibrations and detectors have it. A lag of half a stride, in which one leg looks like the other, needs offsets as long as the way in that time.
 const ANY_OFFSET_PX: f64 = 100.0;
 const USUAL_OFFSET_PX: f64 = 10.0;
+/// Frames by which the views of a camera that is off are moved, and the share of it that its lag must follow.
+const TEST: f64 = 4.0;
+const FOLLOWED: f64 = 0.5;
 /// Change of a lag after which they are estimated again, frames.
 const SCATTERS: f64 = 0.1;
 
@@ -110,20 +115,19 @@ pub fn camera_clocks(
     let span = Span::over(runs);
     let mut fit = Fit::nothing_known(cameras.len());
     fit.improve(cameras, runs, search, span, NO_DRIFT);
-    let clocks = |fit: &Fit| {
-        let lags = fit.total.iter().enumerate().map(|(i, own)| own + if i % OWN == 0 { taken[i / OWN] } else { 0.0 });
-        against_reference(&DVector::from_iterator(fit.total.len(), lags), &fit.covariance, &fit.known, span)
-    };
+    fit.test(cameras, runs, search, span, NO_DRIFT, taken);
     if search.drifts && 2.0 * span.half > LEAST_DRIFT_S * search.fps {
         let mut drifting = fit.clone();
-        drifting.improve(cameras, runs, search, span, 1e-6 * PRIOR_PPM * span.half);
-        let found = clocks(&drifting);
+        let drift_sd = 1e-6 * PRIOR_PPM * span.half;
+        drifting.improve(cameras, runs, search, span, drift_sd);
+        drifting.test(cameras, runs, search, span, drift_sd, taken);
+        let found = drifting.clocks(taken, span);
         if found.iter().any(|clock| clock.drift[0].abs() > CERTAIN * clock.drift[1]) {
             return Some(found);
         }
     }
     let still = |clock: CameraClock| CameraClock { drift: [0.0; 2], ..clock };
-    Some(clocks(&fit).into_iter().map(still).collect())
+    Some(fit.clocks(taken, span).into_iter().map(still).collect())
 }
 
 /// What is known of the numbers of all cameras: lag and drift of each.
@@ -181,6 +185,44 @@ impl Fit {
         if is_far && misfit(&self.total).zip(misfit(&none)).is_none_or(|(found, none)| found >= none) {
             self.known.fill(false);
         }
+    }
+
+    /// Clocks, the frames `taken` away before among their lags.
+    fn clocks(&self, taken: &[f64], span: Span) -> Vec<CameraClock> {
+        let lags = self.total.iter().enumerate().map(|(i, own)| own + if i % OWN == 0 { taken[i / OWN] } else { 0.0 });
+        against_reference(&DVector::from_iterator(self.total.len(), lags), &self.covariance, &self.known, span)
+    }
+
+    /// Takes the lag of a camera that is off as unknown if it does not follow where the camera's views are moved in time, towards the others.
+    fn test(
+        &mut self,
+        cameras: &[Camera],
+        runs: &[&[(u64, Sighted)]],
+        search: &LagSearch,
+        span: Span,
+        drift_sd: f64,
+        taken: &[f64],
+    ) {
+        let clocks = self.clocks(taken, span);
+        let follows = |camera: usize| {
+            let by = TEST.copysign(clocks[camera].lag.frames);
+            let mut moves = DVector::zeros(self.total.len());
+            moves[OWN * camera] = by;
+            let moved: Vec<_> = runs.iter().map(|frames| shifted(frames, &moves, span)).collect();
+            let mut fit = Self::nothing_known(cameras.len());
+            fit.improve(cameras, &moved.iter().map(Vec::as_slice).collect::<Vec<_>>(), search, span, drift_sd);
+            let late = |of: &Self| {
+                let others: Vec<f64> = (0..cameras.len())
+                    .filter(|other| *other != camera && self.known[*other])
+                    .map(|other| of.total[OWN * other])
+                    .collect();
+                of.total[OWN * camera] - others.iter().sum::<f64>() / others.len().max(1) as f64
+            };
+            fit.known[camera] && (late(self) - late(&fit)) / by >= FOLLOWED
+        };
+        let doubtful: Vec<usize> =
+            (0..cameras.len()).filter(|c| self.known[*c] && clocks[*c].lag.is_off() && !follows(*c)).collect();
+        doubtful.into_iter().for_each(|camera| self.known[camera] = false);
     }
 }
 

@@ -166,6 +166,9 @@ fn seed_of_frames<S: FrameSource>(source: &mut S, numbers: Range<u64>, seed: u64
     Ok(seed)
 }
 
+/// When a set-up is interrupted.
+const IN_SET_UP: &str = "during the set-up pass; nothing was written";
+
 fn set_up<S: FrameSource>(
     source: &mut Upright<'_, S>,
     numbers: Range<u64>,
@@ -187,7 +190,7 @@ fn set_up<S: FrameSource>(
     let (cameras, layout) = (source.cameras().to_vec(), source.layout().clone());
     let total = numbers.end - numbers.start;
     let frames = numbers.clone().map(|number| {
-        watch.check("during the set-up pass; nothing was written")?;
+        watch.check(IN_SET_UP)?;
         let people = source.people(number)?;
         (watch.progress)(RunPhase::SetUp, number - numbers.start + 1, total);
         Ok::<_, Error>((number, people))
@@ -204,12 +207,16 @@ fn set_up<S: FrameSource>(
         other => other,
     });
     warnings.extend(found.map(|warning| warning.to_string()));
+    watch.check(IN_SET_UP)?;
     let tree = setup.tree();
     setup.motion_sd = Some(setup::measure_motion(&setup, &tree, source, numbers.clone(), settings.fps)?);
     let shared = config.shared_cameras.as_deref().filter(|shared| shared.world_up == source.up());
     let (all, fps, seed) = (numbers.clone(), settings.fps, settings.seed);
-    let said = setup::measure_lasting_with(&mut setup, source, all, fps, seed, shared)?;
+    let mut proceed = || watch.check(IN_SET_UP);
+    let said = setup::measure_lasting_with(&mut setup, source, all, (fps, seed), shared, &mut proceed)?;
+    watch.check(IN_SET_UP)?;
     setup::measure_look(&mut setup, source, numbers, settings.fps, settings.compares_colours())?;
+    watch.check(IN_SET_UP)?;
     let start = setup.start_frame;
     tune(&mut setup, &tree, source, start, settings)?;
     Ok((setup, said))
