@@ -3,7 +3,9 @@
 use sinew_input::in_memory::InMemory;
 use sinew_input::one_after_another::OneAfterAnother;
 use sinew_input::source::FrameSource as _;
-use sinew_setup::{MeasuredErrors, SetupError, SetupRequest, measure_lasting, measure_motion, set_up};
+use sinew_setup::{
+    MeasuredErrors, Setup, SetupError, SetupRequest, measure_lasting, measure_lasting_with, measure_motion, set_up,
+};
 use sinew_simulate::detector::DetectorNoise;
 use sinew_simulate::recording::{Script, SyntheticRecording};
 
@@ -19,8 +21,8 @@ fn walker(frames: usize) -> InMemory {
     InMemory { cameras, layout, keypoints }
 }
 
-/// What lasts, by the set-up of recordings that follow each other.
-fn pooled(recordings: Vec<InMemory>) -> MeasuredErrors {
+/// Recordings that follow each other, with their set-up before what lasts is measured.
+fn prepared(recordings: Vec<InMemory>) -> (Setup, OneAfterAnother<InMemory>) {
     let mut source = OneAfterAnother::new(recordings, (0.5 * RATE_HZ) as u64).unwrap();
     let (cameras, layout, frames) = (source.cameras().to_vec(), source.layout().clone(), source.frames());
     let people: Vec<_> =
@@ -28,9 +30,36 @@ fn pooled(recordings: Vec<InMemory>) -> MeasuredErrors {
     let request = SetupRequest { fps: Some(RATE_HZ), ..SetupRequest::default() };
     let (mut setup, _) = set_up(&cameras, &layout, &request, people).unwrap();
     let tree = setup.tree();
-    setup.motion_sd = Some(measure_motion(&setup, &tree, &mut source, frames.clone(), RATE_HZ).unwrap());
+    setup.motion_sd = Some(measure_motion(&setup, &tree, &mut source, frames, RATE_HZ).unwrap());
+    (setup, source)
+}
+
+/// What lasts, by the set-up of recordings that follow each other.
+fn pooled(recordings: Vec<InMemory>) -> MeasuredErrors {
+    let (mut setup, mut source) = prepared(recordings);
+    let frames = source.frames();
     measure_lasting(&mut setup, &mut source, frames, RATE_HZ, 1).unwrap();
     setup.lasting.unwrap()
+}
+
+/// It may be stopped before each of its three rounds and before the draws; then nothing is in the set-up.
+#[test]
+fn what_lasts_is_measured_in_parts_that_may_be_stopped() {
+    let (before, mut source) = prepared(vec![walker(FRAMES)]);
+    let frames = source.frames();
+    let mut stopped_after = |parts: usize| {
+        let (mut setup, mut asked) = (before.clone(), 0);
+        let mut proceed = || {
+            asked += 1;
+            if asked > parts { Err(sinew_setup::Error::from(SetupError::NoPose)) } else { Ok(()) }
+        };
+        let ended = measure_lasting_with(&mut setup, &mut source, frames.clone(), (RATE_HZ, 1), None, &mut proceed);
+        (ended.is_ok(), setup == before, asked)
+    };
+    assert_eq!(
+        (0..=4).map(&mut stopped_after).collect::<Vec<_>>(),
+        [(false, true, 1), (false, true, 2), (false, true, 3), (false, true, 4), (true, false, 4)]
+    );
 }
 
 /// A recording that is shown four times says what it says once. Were copies taken for new frames they would be worth four times as much, and lengths would drift with their number to where the errors pull them that all of them share.
