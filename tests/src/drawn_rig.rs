@@ -19,7 +19,7 @@ use sinew::observe::cameras::camera_error::with_error;
 use sinew::observe::clocks::point_velocity::{reach, velocity};
 use sinew::observe::lasting::lasting_errors::{LastingErrors, pixels_per_metre};
 use sinew::setup::level_points::{self, LevelPoints};
-use sinew::setup::{MeasuredErrors, Setup, lasting_prior, motion_noise};
+use sinew::setup::{MeasuredErrors, Setup, lasting_prior, mirrored_places, motion_noise};
 use sinew_body::points::Trajectories;
 use sinew_simulate::draws::{normals, uniforms};
 use sinew_simulate::recording::{body_25b, keypoint_files};
@@ -108,7 +108,9 @@ impl Rig {
             level_points::tied(&level),
             FRAME_S,
         );
-        let (mut g, scales) = drawn(&prior, lasting);
+        let pairs = mirrored_places::pairs(&errors, &points);
+        let (mut g, scales) = drawn(&mirrored_places::prior_of_parts(&pairs, prior), lasting);
+        mirrored_places::exchange(&pairs, &mut g);
         for LevelPoints { points, axis } in level {
             let places: Vec<usize> = points.iter().map(|&point| errors.place(point).start + axis).collect();
             let mean = places.iter().map(|&place| g[place]).sum::<f64>() / places.len() as f64;

@@ -5,9 +5,12 @@
 //! | a camera | s × (0.2° a turn, 5 mm, 0.3 % of the focal length, 2 mrad of the principal point, 0.02 of k1), heavy tails; ln s ~ N(0, 1) | a calibration with a board or a wand from a few metres |
 //! | a length of the body | 10 % of the default body's, about it | 5–6 % among adults, and a joint that is defined otherwise |
 //! | a point's place on its link | s per axis; ln s ~ N(ln 10 mm, 0.8²) | keypoints against joints of markers: Needham et al., Scientific Reports 11 (2021) 20673: 1–15 mm at ankles, 30–50 mm at hips |
+//! | the same of hips | s per axis; ln s ~ N(ln 20 mm, 0.8²) | the same: 30–50 mm in space |
 //! | the same of points of head and feet, about the default body's | s per axis; ln s ~ N(ln 15 mm, 0.8²) | besides, 5 % of the length of a foot and the height of a head among adults |
 //! | a bias of a camera's detector for a point | s per axis, one for each kind of keypoint, heavy tails; ln s ~ N(ln 10 mm, 0.8²), of hips N(ln 20 mm, 0.8²) | the same |
 //! | the lag of a camera's clock | s frames, heavy tails; ln s ~ N(ln 0.15, 1) | cameras with one trigger are less than 0.02 of a frame off, clips that were cut to whole frames 0.29 (uniform in ± ½); in between |
+//!
+//! Places of left and right joints are independent here; `mirrored_places` makes them alike.
 
 use sinew_body::point_derivatives::{lengthened, lengths};
 use sinew_body::{KinematicTree, Proportions};
@@ -19,18 +22,19 @@ use sinew_observe::lasting::lasting_errors::LastingErrors;
 pub const CAMERA_UNITS: [f64; NUMBERS] = [3.5e-3, 3.5e-3, 3.5e-3, 5e-3, 5e-3, 5e-3, 3e-3, 2e-3, 2e-3, 0.02];
 const LENGTH_SHARE: f64 = 0.1;
 const POINTS: ScalePrior = ScalePrior { median: 0.010, log_sd: 0.8 };
-const HIP_BIASES: ScalePrior = ScalePrior { median: 0.020, log_sd: 0.8 };
+const HIPS_ASIDE: ScalePrior = ScalePrior { median: 0.020, log_sd: 0.8 };
 const ENDS: ScalePrior = ScalePrior { median: 0.015, log_sd: 0.8 };
 const LATE_FRAMES: ScalePrior = ScalePrior { median: 0.15, log_sd: 1.0 };
 
 /// Mean of 1/w for w ~ Gamma(2, 2): variance of a heavy tail, Student's t with four degrees of freedom, over that of a Gaussian.
 pub const HEAVY: f64 = 2.0;
 
-/// Names of the scales: that of the cameras, two of places, one for each kind of keypoint, that of lags.
-pub(super) const SCALES: [&str; 10] = [
+/// Names of the scales: that of the cameras, three of places, one for each kind of keypoint, that of lags.
+pub(super) const SCALES: [&str; 11] = [
     "cameras",
     "places_m",
     "places_head_feet_m",
+    "places_hips_m",
     "bias_head_m",
     "bias_trunk_m",
     "bias_arms_m",
@@ -39,14 +43,14 @@ pub(super) const SCALES: [&str; 10] = [
     "bias_hips_m",
     "lags_s",
 ];
-const PLACES: [usize; 2] = [1, 2];
-const FIRST_KIND: usize = 3;
+const PLACES: [usize; 3] = [1, 2, 3];
+const FIRST_KIND: usize = 4;
 const KINDS: usize = 6;
 const HIPS: usize = 5;
 const LAGS: usize = FIRST_KIND + KINDS;
 
 /// Names of the scales of biases, by [`kind`].
-pub const KIND_SCALES: [&str; KINDS] = [SCALES[3], SCALES[4], SCALES[5], SCALES[6], SCALES[7], SCALES[8]];
+pub const KIND_SCALES: [&str; KINDS] = [SCALES[4], SCALES[5], SCALES[6], SCALES[7], SCALES[8], SCALES[9]];
 
 /// Name of the scale of lags.
 pub const LAG_SCALE: &str = SCALES[LAGS];
@@ -71,10 +75,14 @@ pub fn stands_for_no_joint(point: &str) -> bool {
     matches!(kind(point), 0 | 4)
 }
 
-/// Which scale the place of a point has: the sizes of heads and feet differ, too.
+/// Which scale the place of a point has: the sizes of heads and feet differ, too, and no detector sees the middle of a hip.
 #[must_use]
 pub(super) fn place_scale(point: &str) -> usize {
-    PLACES[usize::from(stands_for_no_joint(point))]
+    match kind(point) {
+        0 | 4 => PLACES[1],
+        HIPS => PLACES[2],
+        _ => PLACES[0],
+    }
 }
 
 /// Places that points are expected at, metres, from those that the subject's body has them at: what the set-up fitted to the data is no prior.
@@ -132,7 +140,8 @@ pub fn prior(
     let mut scales = vec![POINTS; SCALES.len()];
     scales[..camera_scales.len()].copy_from_slice(&camera_scales);
     scales[PLACES[1]] = ENDS;
-    scales[FIRST_KIND + HIPS] = HIP_BIASES;
+    scales[PLACES[2]] = HIPS_ASIDE;
+    scales[FIRST_KIND + HIPS] = HIPS_ASIDE;
     scales[LAGS] = ScalePrior { median: LATE_FRAMES.median * frame_s, ..LATE_FRAMES };
     LastingPrior { clusters, scales }
 }

@@ -42,6 +42,7 @@ mod measured_lasting;
 mod measured_look;
 pub mod measured_mistakes;
 mod measured_motion;
+pub mod mirrored_places;
 mod mistake_prior;
 mod model_error;
 pub mod motion_noise;

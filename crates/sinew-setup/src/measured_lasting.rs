@@ -23,6 +23,7 @@ use super::lasting_sources::point_sources;
 use super::level_points::{LevelPoints, level_points, levelled, tied};
 use super::looked_frames::{Looked, looked_at, middle, observed_by};
 use super::measured_mistakes;
+use super::mirrored_places::{Pair, exchange, exchange_prior, in_parts, pairs, prior_of_parts};
 use super::motion_noise::{default_sd, initial_sd};
 use super::scatter::like_the_others;
 use super::shared_cameras::{CameraInformation, SharedCameras};
@@ -117,7 +118,7 @@ pub fn measure_lasting_with<E: From<Error>>(
     let source = point_sources(build, &setup.proportions, &fit.errors, &found, &poses, keypoint_at);
     let scales = fit.median_scales(&found);
     let said =
-        said_of(&fit.levelled(&pass.data), &fit.prior, &scales, &(0..NUMBERS * cameras.len())).map_err(Error::from)?;
+        said_of(&fit.in_parts(&pass.data), &fit.prior, &scales, &(0..NUMBERS * cameras.len())).map_err(Error::from)?;
     fit.store(setup, found, source);
     let LastingData { information, pull } = said;
     Ok(CameraInformation { cameras: names, world_up: setup.world_up.clone(), information, pull })
@@ -153,6 +154,7 @@ struct Fit {
     /// Draws of cameras that are known from elsewhere, too.
     held: Option<HeldDraws>,
     level: Vec<LevelPoints>,
+    pairs: Vec<Pair>,
     points: Vec<String>,
     middle: [f64; 3],
     scales: Vec<f64>,
@@ -200,10 +202,13 @@ impl Fit {
         let mut seconds: Vec<f64> =
             frames.windows(2).map(|pair| (pair[1].number - pair[0].number) as f64 / fps).collect();
         let step = |seconds: &f64| motion.iter().map(|sd| UNTIED * sd * seconds.sqrt()).collect();
+        let pairs = pairs(&errors, &points);
+        let prior = prior(&errors, &points, &setup.proportions, &expected, tied(&level), fps.recip());
         Self {
-            prior: prior(&errors, &points, &setup.proportions, &expected, tied(&level), fps.recip()),
+            prior: prior_of_parts(&pairs, prior),
             held: None,
             level,
+            pairs,
             model: observed_by(setup, tree, cameras, &indices),
             scales: cameras.iter().map(|camera| pixels_per_metre(camera, middle)).collect(),
             steps: seconds.iter().map(step).collect(),
@@ -440,7 +445,8 @@ impl Fit {
 
     /// Puts g to its mean at the medians of its drawn scales: where cameras tell little of their scale, the mean of a few draws may be far off, and the next round linearises there.
     fn settle(&mut self, data: &LastingData, found: &LastingDraws) -> Result<(), Error> {
-        self.g = mean_at(&self.levelled(data), &self.prior, &self.median_scales(found), self.held.as_ref())?;
+        self.g = mean_at(&self.in_parts(data), &self.prior, &self.median_scales(found), self.held.as_ref())?;
+        exchange(&self.pairs, &mut self.g);
         Ok(())
     }
 
@@ -448,17 +454,20 @@ impl Fit {
         (0..self.prior.scales.len()).map(|scale| median_scale(found, scale)).collect()
     }
 
-    fn levelled(&self, data: &LastingData) -> LastingData {
-        levelled(data, &self.errors, &self.unmoved, &self.level)
+    /// What the data say, with what is level, of the numbers of the prior: parts of pairs in place of their numbers.
+    fn in_parts(&self, data: &LastingData) -> LastingData {
+        in_parts(&self.pairs, levelled(data, &self.errors, &self.unmoved, &self.level))
     }
 
     /// Draws g, and keeps its mean and the sizes of its prior.
     fn drawn(&mut self, data: &LastingData, schedule: SweepSchedule, stage: Stage) -> Result<LastingDraws, Error> {
-        let found = draws_given(&self.levelled(data), &self.prior, schedule, stage, self.held.as_ref())?;
+        let mut found = draws_given(&self.in_parts(data), &self.prior, schedule, stage, self.held.as_ref())?;
+        found.errors.iter_mut().chain([&mut found.mean]).for_each(|g| exchange(&self.pairs, g));
         for cluster in &self.prior.clusters {
             let size = cluster.scale.map_or(1.0, |scale| median_scale(&found, scale));
             cluster.numbers.iter().for_each(|(place, mean, unit)| self.expected[*place] = [*mean, unit * size]);
         }
+        exchange_prior(&self.pairs, &mut self.expected);
         self.g.clone_from(&found.mean);
         Ok(found)
     }

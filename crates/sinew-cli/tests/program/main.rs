@@ -40,6 +40,7 @@ mod result_folder;
 mod resume;
 mod resume_latent_model;
 mod resume_motion_model;
+mod second_detector;
 mod segment;
 mod several_people;
 mod simulate;
