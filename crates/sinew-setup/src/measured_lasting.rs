@@ -23,7 +23,7 @@ use super::lasting_sources::point_sources;
 use super::level_points::{LevelPoints, level_points, levelled, tied};
 use super::looked_frames::{Looked, looked_at, middle, observed_by};
 use super::measured_mistakes;
-use super::mirrored_places::{Pair, exchange, exchange_prior, in_parts, pairs, prior_of_parts};
+use super::mirrored_places::{MirroredPair, exchange, exchange_prior, in_parts, pairs, prior_of_parts};
 use super::motion_noise::{default_sd, initial_sd};
 use super::scatter::like_the_others;
 use super::shared_cameras::{CameraInformation, SharedCameras};
@@ -154,7 +154,7 @@ struct Fit {
     /// Draws of cameras that are known from elsewhere, too.
     held: Option<HeldDraws>,
     level: Vec<LevelPoints>,
-    pairs: Vec<Pair>,
+    pairs: Vec<MirroredPair>,
     points: Vec<String>,
     middle: [f64; 3],
     scales: Vec<f64>,

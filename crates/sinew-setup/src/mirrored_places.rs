@@ -20,7 +20,7 @@ const PART_SDS: [f64; 2] = [1.341_640_786_499_874, 0.447_213_595_499_958];
 
 /// Two numbers of g that lie alike.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pair {
+pub struct MirroredPair {
     /// Place in g of the left one; in the parts, of what both share.
     pub left: usize,
     /// Place in g of the right one; in the parts, of what is apart.
@@ -28,7 +28,7 @@ pub struct Pair {
     sign: f64,
 }
 
-impl Pair {
+impl MirroredPair {
     /// From numbers to parts, and back.
     fn exchanged(&self, [left, right]: [f64; 2]) -> [f64; 2] {
         [left + self.sign * right, self.sign * left - right].map(|x| FRAC_1_SQRT_2 * x)
@@ -37,19 +37,19 @@ impl Pair {
 
 /// The pairs of places of some keypoints; points of head and feet stand for no joint.
 #[must_use]
-pub fn pairs(errors: &LastingErrors, points: &[String]) -> Vec<Pair> {
+pub fn pairs(errors: &LastingErrors, points: &[String]) -> Vec<MirroredPair> {
     let of = |(left, name): (usize, &String)| {
         let other = format!("R{}", name.strip_prefix('L')?);
         let right = points.iter().position(|point| *point == other && !stands_for_no_joint(point))?;
         let places = errors.place(left).zip(errors.place(right)).zip([-1.0, 1.0, 1.0]);
-        Some(places.map(|((left, right), sign)| Pair { left, right, sign }))
+        Some(places.map(|((left, right), sign)| MirroredPair { left, right, sign }))
     };
     points.iter().enumerate().filter_map(of).flatten().collect()
 }
 
 /// A prior of numbers, in which those of a pair stand in one cluster with one unit, as that of their parts.
 #[must_use]
-pub fn prior_of_parts(pairs: &[Pair], mut prior: LastingPrior) -> LastingPrior {
+pub fn prior_of_parts(pairs: &[MirroredPair], mut prior: LastingPrior) -> LastingPrior {
     for pair in pairs {
         for cluster in &mut prior.clusters {
             let at = |place: usize| cluster.numbers.iter().position(|number| number.0 == place);
@@ -65,14 +65,14 @@ pub fn prior_of_parts(pairs: &[Pair], mut prior: LastingPrior) -> LastingPrior {
 }
 
 /// Puts parts in place of the numbers of pairs, or numbers in place of parts.
-pub fn exchange(pairs: &[Pair], g: &mut [f64]) {
+pub fn exchange(pairs: &[MirroredPair], g: &mut [f64]) {
     for pair in pairs {
         [g[pair.left], g[pair.right]] = pair.exchanged([g[pair.left], g[pair.right]]);
     }
 }
 
 /// The same of mean and standard deviation of each number's prior.
-pub(super) fn exchange_prior(pairs: &[Pair], prior: &mut [[f64; 2]]) {
+pub(super) fn exchange_prior(pairs: &[MirroredPair], prior: &mut [[f64; 2]]) {
     for pair in pairs {
         let [[left, left_sd], [right, right_sd]] = [prior[pair.left], prior[pair.right]];
         let sd = FRAC_1_SQRT_2 * left_sd.hypot(right_sd);
@@ -82,7 +82,7 @@ pub(super) fn exchange_prior(pairs: &[Pair], prior: &mut [[f64; 2]]) {
 }
 
 /// What the data say of the parts.
-pub(super) fn in_parts(pairs: &[Pair], mut data: LastingData) -> LastingData {
+pub(super) fn in_parts(pairs: &[MirroredPair], mut data: LastingData) -> LastingData {
     let p = data.pull.len();
     data.information.chunks_exact_mut(p).for_each(|row| exchange(pairs, row));
     for pair in pairs {
@@ -114,8 +114,8 @@ mod tests {
     fn joints_with_both_sides_are_pairs() {
         let pairs = pairs(&ERRORS, &names());
         let [left, right] = [0, 2].map(|point| ERRORS.place(point));
-        let expected: Vec<Pair> = [(0, -1.0), (1, 1.0), (2, 1.0)]
-            .map(|(axis, sign)| Pair { left: left.start + axis, right: right.start + axis, sign })
+        let expected: Vec<MirroredPair> = [(0, -1.0), (1, 1.0), (2, 1.0)]
+            .map(|(axis, sign)| MirroredPair { left: left.start + axis, right: right.start + axis, sign })
             .to_vec();
         assert_eq!(pairs, expected);
     }
