@@ -78,3 +78,47 @@ pub fn deviations(known: &MeasuredErrors, errors: &LastingErrors, cameras: &[Cam
         .flat_map(|place| place.map_or_else(|| vec![0.0; draws], |place| known.number[place].draws.clone()))
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collect::SetupRequest;
+    use crate::lasting_errors::{DrawnNumber, VERSION};
+    use crate::pass::unmeasured;
+    use sinew_formats::layout;
+
+    /// Four cameras around somebody, all of which one draw moves by 5 mm along x and another the other way: the world seems to lie 5 mm aside along x and not along y and z, whose mean square over the axes is (5 mm)²/3.
+    #[test]
+    fn the_shift_of_the_world_is_per_axis() {
+        let at = [[4.0, 0.0, 1.5], [-4.0, 0.0, 1.5], [0.0, 4.0, 1.5], [0.0, -4.0, 1.5]];
+        let names = ["C1", "C2", "C3", "C4"];
+        let camera = |k: usize| Camera::look_at(names[k], [1000.0; 2], 900.0, at[k], [0.0, 0.0, 1.0]).unwrap();
+        let cameras = [0, 1, 2, 3].map(camera);
+        let mut known = MeasuredErrors {
+            version: VERSION,
+            cameras: names.map(str::to_owned).to_vec(),
+            unseeing: vec![],
+            points: vec![],
+            middle_m: [0.0, 0.0, 1.0],
+            frames: 2,
+            worth: 2.0,
+            persistence_s: 0.0,
+            scale: vec![],
+            number: vec![],
+            source: vec![],
+        };
+        let still = DrawnNumber { name: "n".into(), value: 0.0, prior_mean: 0.0, prior_sd: 1.0, draws: vec![0.0; 2] };
+        known.number = vec![still; known.layout().count()];
+        for (camera, own) in cameras.iter().enumerate() {
+            // A camera is moved along its own axes: x of the world by them is a column of its rotation.
+            for (k, row) in own.rotation.iter().enumerate() {
+                let place = known.layout().camera(camera).start + 3 + k;
+                known.number[place].draws = vec![5e-3 * row[0], -5e-3 * row[0]];
+            }
+        }
+        let layout = layout::find("body-25b").unwrap();
+        let setup = Setup { lasting: Some(known), ..unmeasured(&layout, &SetupRequest::default(), vec![]) };
+        let found = world_shift_sd_m(&setup, &cameras).unwrap();
+        assert!((1e3 * found - 5.0 / 3.0_f64.sqrt()).abs() < 1e-6, "{found}");
+    }
+}

@@ -408,4 +408,25 @@ mod tests {
             "thighs: 3.0 % longer between the keypoints than in the body (430 mm, left and right together). The intervals do not know of it and hold the truth less often than they promise: choose frames for the set-up that show the person better (`--setup-frames`), or give a body file with these lengths (`--body`)"
         );
     }
+
+    /// A camera with ten keypoints that err by ± 0.5 px: eight as in the frame before and two by the other sign, so that errors correlate by (8 − 2)/10 = 0.6. Squares of normal deviates that correlate by r do so by r², here by 0.36, and their mean over 26 frames is less sure by √(1.36/0.64) = 1.46.
+    fn doubted_where_errors_persist(apart: f64) -> Vec<Doubt> {
+        let mut predictive = Predictive::new(["C1".to_owned()].into_iter(), Noise::OutlierFloor { outlier: 0.02 });
+        for number in 0..26 {
+            let other = if number % 2 == 0 { 1.0 } else { -1.0 };
+            let residual = |k: usize| {
+                let side = if k % 2 == 0 { 0.5 } else { -0.5 } * if k < 2 { other } else { 1.0 };
+                Some(Residual { sd_px: 2.0, mean_px: [side; 2], square: 3.0 + other * apart, gross: 0.0 })
+            };
+            predictive.camera(number, 0, &(0..10).map(residual).collect::<Vec<_>>(), None);
+        }
+        predictive.doubts(0.0)
+    }
+
+    /// 3.00 are 1.005 more than the 1.995 of a normal law cut at four deviations. With frames 0.75 apart from their mean the standard error is 0.75/√25 = 0.15, and four of these are 0.60; where errors persist, 0.87. With 0.90 it is 1.05.
+    #[test]
+    fn squares_of_errors_that_persist_are_less_sure_by_the_square_of_their_correlation() {
+        assert_eq!(kinds(&doubted_where_errors_persist(0.75)), ["scatter", "persistence"]);
+        assert_eq!(kinds(&doubted_where_errors_persist(0.9)), ["persistence"]);
+    }
 }
