@@ -233,4 +233,19 @@ mod tests {
         assert_eq!(b.1, "its results are gone or damaged: run the study again");
         assert!(c.1.contains("is not UTF-8") && c.1.ends_with("remove results/c, and run the study again"), "{}", c.1);
     }
+
+    /// A trial of two people: what its summary says of both is no third one.
+    #[test]
+    fn a_trial_of_several_people_has_a_row_for_each() {
+        let study = tempfile::tempdir().unwrap();
+        let line = serde_json::json!({"trial": "a", "hash": "x", "ended": "done", "code": 0, "seconds": 1, "computing_s": 1, "run": 1, "at_unix_s": 0});
+        let line = serde_json::from_value::<EndedTask>(line).unwrap();
+        let folder = results_folder(study.path(), "a");
+        for below in ["", "people/01", "people/02"] {
+            fs::create_dir_all(folder.join(below)).unwrap();
+            fs::write(folder.join(below).join("summary.json"), "{}").unwrap();
+        }
+        let people = |found: Vec<(String, Value, String)>| found.into_iter().map(|(person, ..)| person);
+        assert_eq!(people(results(study.path(), &line).unwrap()).collect::<Vec<_>>(), ["01", "02"]);
+    }
 }

@@ -118,3 +118,18 @@ fn summary_facts(folder: &Path, summary: &Value) -> Facts {
     facts.odd.extend(list("warnings").into_iter().map(Odd::Words));
     facts
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn the_largest_zero_may_be_a_negative_one() {
+        let mut facts = Facts::new(String::new());
+        zero_row(&mut facts, &json!({ "knee_angle_r": [3.0, 1.0], "ankle_angle_r": [-7.0, 2.0] }));
+        let [(name, words)] = &facts.rows[..] else { panic!("{facts:?}") };
+        assert_eq!(name, "zero of angles");
+        assert!(words.ends_with("taken off 2 angles; the largest is `ankle_angle_r`: -7.0° ± 2.0°"), "{words}");
+    }
+}

@@ -59,3 +59,23 @@ fn interrupted(recorded: &Recorded) -> String {
         with_code(&flag("resume"))
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::recorded::Band;
+    use super::*;
+
+    /// Of a standard deviation of 4 mm 2 mm are left within the run, and so is half of the interval.
+    #[test]
+    fn intervals_within_the_run_are_narrower_by_the_share_of_the_standard_deviation() {
+        let band = || Band { mean: vec![1.0], low: vec![0.99], high: vec![1.01] };
+        let point = RecordedPoint {
+            name: "Nose".into(),
+            axes: [band(), band(), band()],
+            sd: [(); 3].map(|()| vec![0.004]),
+            sd_within: [(); 3].map(|()| vec![0.002]),
+        };
+        let found: Vec<f64> = half_widths_within(&point).collect();
+        assert!(found.len() == 3 && found.iter().all(|half| (half - 0.005).abs() < 1e-12), "{found:?}");
+    }
+}
