@@ -282,4 +282,17 @@ mod tests {
         assert_eq!(found.setting().as_deref(), Some("b=2,c=-1.25+80ppm"));
         assert_eq!(FoundClocks::default().setting(), None);
     }
+
+    /// A camera that is 3 frames late in frame 1000, and falls behind by 100 in a million, was 2.9 frames late in frame 0; what is declared says so of frame 1000.
+    #[test]
+    fn a_lag_is_declared_for_the_first_frame() {
+        let camera = Camera::look_at("C1", [640.0, 480.0], 500.0, [3.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap();
+        let clock = CameraClock { lag: CameraLag { frames: 3.0, sd: 0.1 }, drift: [1e-4, 1e-6], middle: 1000.0 };
+        let found = clock_of(&camera, ClockLag::whole(3), (ClockLag::default(), 10.0), &clock);
+        assert!((found.declared.frames - 2.9).abs() < 1e-9 && (found.declared.ppm - 100.0).abs() < 1e-9, "{found:?}");
+        assert!(found.lag.is_some_and(|lag| (lag.frames - 3.0).abs() < 1e-9), "{found:?}");
+        // It shows frame 1000 in its own frame 1003.
+        let shown_at = 1000.0 + found.declared.frames + 1e-6 * found.declared.ppm * 1000.0;
+        assert!((shown_at - 1003.0).abs() < 1e-9, "{shown_at}");
+    }
 }

@@ -450,4 +450,37 @@ mod tests {
         run(3, false);
         assert!(frames_in(&folder) == 3 && !says_complete());
     }
+
+    /// A run of one frame, and a table of it.
+    fn table_of(info: RunInfo, name: &str) -> (tempfile::TempDir, String) {
+        let root = tempfile::tempdir().unwrap();
+        let folder = root.path().join("out");
+        let frame = turning(0, &info);
+        let mut results =
+            ResultFolder::open(claim(&folder, &[], false).unwrap(), info, Texts::default(), None).unwrap();
+        results.append(&frame).unwrap();
+        results.finish(&Ending { complete: true, ..Ending::default() }).unwrap();
+        let text = fs::read_to_string(folder.join(name)).unwrap();
+        (root, text)
+    }
+
+    #[test]
+    fn an_angle_of_which_nobody_knows_whether_it_is_seen_has_an_empty_cell() {
+        let blind = RunInfo { keypoints: vec!["Antenna".into()], ..info() };
+        let frame =
+            |text: &str| text.lines().skip(1).map(|line| line.rsplit(',').next() == Some("")).collect::<Vec<_>>();
+        let (_, text) = table_of(blind, "angles.csv");
+        assert!(frame(&text).len() > 10 && frame(&text).iter().all(|is_empty| *is_empty), "{text}");
+        let (_, text) = table_of(info(), "angles.csv");
+        assert!(frame(&text).iter().all(|is_empty| !is_empty), "{text}");
+    }
+
+    /// The camera was put at this place.
+    #[test]
+    fn the_centre_of_a_camera_is_where_it_stands() {
+        let (root, _) = table_of(info(), "angles.csv");
+        let centres = crate::stored_array::stored_array(&root.path().join("out"), "constant_data/camera_centre");
+        let found = centres.unwrap().unwrap().values;
+        assert!(found.len() == 3 && found.iter().zip([3.0, 0.0, 1.0]).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
+    }
 }

@@ -257,10 +257,9 @@ mod tests {
     use sinew_angles::{Convention, JointAngles};
     use sinew_observe::Camera;
 
-    /// Warnings and failed diagnostics of frames with the numbers 10, 11, …
-    fn judged(is_weighted: bool, frames: impl IntoIterator<Item = FrameEstimate>) -> (Vec<String>, Vec<String>) {
+    fn info(is_weighted: bool) -> RunInfo {
         let camera = Camera::look_at("C1", [640.0, 480.0], 500.0, [3.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap();
-        let info = RunInfo {
+        RunInfo {
             method: "toy".into(),
             is_weighted,
             kind: Default::default(),
@@ -282,7 +281,12 @@ mod tests {
             setup_toml: String::new(),
             angles: JointAngles::new(&sinew_setup::bodies::find("cf28").unwrap(), &[], false, Convention::OpenSim),
             body: sinew_setup::bodies::find("cf28").unwrap(),
-        };
+        }
+    }
+
+    /// Warnings and failed diagnostics of frames with the numbers 10, 11, …
+    fn judged(is_weighted: bool, frames: impl IntoIterator<Item = FrameEstimate>) -> (Vec<String>, Vec<String>) {
+        let info = info(is_weighted);
         let mut statistics = Statistics::new(&info, Texts::default());
         for (number, frame) in (10..).zip(frames) {
             statistics.add(&FrameEstimate { number, ..frame });
@@ -396,5 +400,29 @@ mod tests {
         let few = || (0..4).map(|_| FrameEstimate { ess: 9.4, ..usual() });
         let message = "the median effective sample size is 9.4; at least 10 is needed";
         assert_eq!((judged(false, few()).1, judged(true, few()).1), (vec![], vec![message.to_owned()]));
+    }
+
+    /// Of four frames two show nobody: an angle that is unseen in three is unseen in three of four.
+    #[test]
+    fn shares_are_of_all_frames() {
+        let info = info(false);
+        let mut statistics = Statistics::new(&info, Texts::default());
+        (10..14).for_each(|number| statistics.add(&FrameEstimate { number, observed: number < 12, ..usual() }));
+        let mut unseen = vec![0; info.angles.names().len()];
+        unseen[1] = 3;
+        let found = statistics.summary(&info, &Ending::default(), &unseen).angles.unseen;
+        assert_eq!(found.into_iter().collect::<Vec<_>>(), [(info.angles.names()[1].clone(), 0.75)]);
+    }
+
+    /// Two draws at 1° and 3°: 2° ± 1°.
+    #[test]
+    fn the_zero_of_a_standing_trial_is_in_degrees() {
+        let mut info = info(false);
+        let name = info.angles.names().iter().rfind(|name| sinew_angles::zero::has_zero(name)).unwrap().clone();
+        let drawn = [1.0_f64, 3.0].map(f64::to_radians);
+        info.zero = Some(AngleZero::new(&info.angles, std::slice::from_ref(&name), &drawn, None));
+        let found = Statistics::new(&info, Texts::default()).summary(&info, &Ending::default(), &[]).angles.zero_deg;
+        let [mean, sd] = found[&name];
+        assert!(found.len() == 1 && (mean - 2.0).abs() < 1e-9 && (sd - 1.0).abs() < 1e-9, "{found:?}");
     }
 }

@@ -176,3 +176,50 @@ fn states(name: &str, table: &Cells, tree: &KinematicTree, frames: usize) -> Res
     let numbers = table.rows.iter().enumerate().map(number).collect::<Result<Vec<f64>, _>>()?;
     Ok(numbers.chunks_exact(tree.dof()).map(<[f64]>::to_vec).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew_setup::CameraSetup;
+
+    /// Offsets were found in images of half the calibrated size; in a picture of three quarters of it they are one and a half times as large.
+    #[test]
+    fn offsets_go_with_the_size_of_the_picture() {
+        let camera = Camera::look_at("C1", [1000.0; 2], 1000.0, [5.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap();
+        let own = CameraSetup {
+            name: "C1".into(),
+            offset_px: [4.0, -2.0],
+            sigma_px: 3.0,
+            usual_confidence: 1.0,
+            exchanged: 0.0,
+            elsewhere: 0.0,
+        };
+        let setup = Setup {
+            schema: sinew_setup::SCHEMA,
+            body: sinew_setup::Body::H32,
+            layout: "body25b".into(),
+            person: 0,
+            world_up: "z".into(),
+            world_up_sd_deg: None,
+            up_axis: "+z".into(),
+            model_error_m: 0.0,
+            size_sd: 0.0,
+            start_frame: 0,
+            start_pose: vec![],
+            step_size: None,
+            leapfrog_steps: None,
+            motion_sd: None,
+            girth: None,
+            colours: None,
+            lasting: None,
+            proportions: sinew_body::Proportions::default(),
+            camera: vec![own],
+        };
+        let tracked = Tracked { setup, image_scale: 0.5, lag: vec![], fps: 30.0, frames: vec![] };
+        let picture = camera.resized(0.75);
+        let seen = tracked.as_seen(&[picture.clone()], &[camera]).pop().unwrap();
+        let pixel = |camera: &Camera| camera.project([0.3, 0.2, 1.1]).pixel().unwrap();
+        let moved = [0, 1].map(|axis: usize| pixel(&seen)[axis] - pixel(&picture)[axis]);
+        assert!((moved[0] - 6.0).abs() < 1e-9 && (moved[1] + 3.0).abs() < 1e-9, "{moved:?}");
+    }
+}

@@ -406,4 +406,61 @@ mod tests {
         let moved = Moved::in_draws(2, |draw| Some(found([draw as f64, 2.0]))).unwrap();
         assert_eq!(moved.pixels, [[0.0, 2.0], [1.0, 2.0]]);
     }
+
+    /// A camera with 1000 pixels of its calibration for a metre at 1 m, shown at half its size from 5 m: 100 pixels for a metre, of which 3 are 3 cm.
+    #[test]
+    fn scatter_in_pixels_is_that_of_the_images_which_were_shown() {
+        let camera = Camera::look_at("C1", [1000.0; 2], 1000.0, [5.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap();
+        let known = MeasuredErrors {
+            version: crate::setup::lasting_errors::VERSION,
+            cameras: vec!["C1".into()],
+            unseeing: vec![],
+            points: vec![],
+            middle_m: [0.0, 0.0, 1.0],
+            frames: 1,
+            worth: 1.0,
+            persistence_s: 0.0,
+            scale: vec![],
+            number: vec![],
+            source: vec![],
+        };
+        let own = crate::setup::CameraSetup {
+            name: "C1".into(),
+            offset_px: [0.0; 2],
+            sigma_px: 3.0,
+            usual_confidence: 1.0,
+            exchanged: 0.0,
+            elsewhere: 0.0,
+        };
+        let setup = crate::setup::Setup {
+            schema: crate::setup::SCHEMA,
+            body: sinew_setup::Body::H32,
+            layout: "body25b".into(),
+            person: 0,
+            world_up: "z".into(),
+            world_up_sd_deg: None,
+            up_axis: "+z".into(),
+            model_error_m: 0.0,
+            size_sd: 0.0,
+            start_frame: 0,
+            start_pose: vec![],
+            step_size: None,
+            leapfrog_steps: None,
+            motion_sd: None,
+            girth: None,
+            colours: None,
+            lasting: None,
+            proportions: sinew_body::Proportions::default(),
+            camera: vec![own],
+        };
+        let tracked =
+            |image_scale: f64| Tracked { setup: setup.clone(), image_scale, lag: vec![], fps: 30.0, frames: vec![] };
+        let found = |image_scale: f64| noise_m2(&tracked(image_scale), &known, &[camera.clone()]).sqrt();
+        assert!(
+            (found(1.0) - 0.015).abs() < 1e-12 && (found(0.5) - 0.030).abs() < 1e-12,
+            "{} {}",
+            found(1.0),
+            found(0.5)
+        );
+    }
 }

@@ -316,4 +316,27 @@ mod tests {
             }
         }
     }
+
+    /// A body that goes as far along x as the cameras say, and as far along y, where they say the same as along x and more: nothing is left within the run.
+    #[test]
+    fn axes_of_the_shared_shift_that_go_together_count_once() {
+        let tree = sinew_body::standard::h32(&sinew_body::Proportions::default());
+        let (d, count) = (tree.dof(), tree.points().len());
+        let along = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0];
+        let aside = [1.0, 1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0];
+        let shifts: Vec<[f64; 3]> = (0..LANES).map(|draw| [along[draw], along[draw] + aside[draw], 0.0]).collect();
+        let mut states = vec![Block::ZERO; d];
+        for (draw, shift) in shifts.iter().enumerate() {
+            (0..3).for_each(|axis| states[axis].0[draw] = shift[axis]);
+        }
+        let weights = vec![1.0 / LANES as f64; LANES];
+        let posterior = Posterior { dim: d, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };
+        let still = |rows: usize| Rows::new(&vec![0.0; rows * LANES], LANES);
+        let moved = Moved { shifts, states: still(d), points: still(3 * count), keypoints: Rows::new(&[], LANES) };
+        for point in Marginals::new(&tree, None, Isa::baseline(), None).of(&posterior, Some(&moved)).points {
+            let expected = [1.0, 2.0_f64.sqrt(), 0.0];
+            assert!((0..3).all(|axis| (point.sd[axis] - expected[axis]).abs() < 1e-9), "{point:?}");
+            assert!(point.sd_within.iter().all(|sd| *sd < 1e-6), "{point:?}");
+        }
+    }
 }

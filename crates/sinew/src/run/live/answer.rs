@@ -107,3 +107,40 @@ pub(super) fn end(summary: &Summary, skipped: u64, dropped: u64) -> String {
         "failed_diagnostics": summary.failed_diagnostics,
     }}))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each number of a frame under its own name.
+    #[test]
+    fn a_line_says_of_each_number_which_one_it_is() {
+        let point = PointMarginal {
+            mean: [1.0, 2.0, 3.0],
+            sd: [0.4, 0.5, 0.6],
+            sd_within: [0.1, 0.2, 0.3],
+            q05: [0.5, 1.5, 2.5],
+            q95: [1.5, 2.5, 3.5],
+        };
+        let angle = AngleMarginal { pose: 0.9, mean: 0.8, q05: 0.7, q95: 1.1, rate: None };
+        let estimate = FrameEstimate {
+            number: 7,
+            time_s: 0.25,
+            ess: 40.0,
+            points: vec![point],
+            angles: vec![angle],
+            ..FrameEstimate::default()
+        };
+        let found: Value = serde_json::from_str(&frame(&estimate, 2)).unwrap();
+        let points = json!({
+            "mean": [[1.0, 2.0, 3.0]],
+            "sd": [[0.4, 0.5, 0.6]],
+            "q05": [[0.5, 1.5, 2.5]],
+            "q95": [[1.5, 2.5, 3.5]],
+        });
+        assert_eq!(found["points"], points);
+        assert_eq!(found["angles"], json!({ "mean": [0.8], "q05": [0.7], "q95": [1.1] }));
+        assert_eq!((&found["frame"], &found["time_s"], &found["skipped"]), (&json!(7), &json!(0.25), &json!(2)));
+        assert_eq!((&found["ess"], &found["r_hat"]), (&json!(40.0), &Value::Null));
+    }
+}
