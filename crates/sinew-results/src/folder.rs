@@ -483,4 +483,11 @@ mod tests {
         let found = centres.unwrap().unwrap().values;
         assert!(found.len() == 3 && found.iter().zip([3.0, 0.0, 1.0]).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?}");
     }
+
+    #[test]
+    fn a_frame_of_a_skeleton_lasts_as_long_as_one_of_the_run() {
+        let (_, text) = table_of(RunInfo { fps: 50.0, ..info() }, "motion.bvh");
+        let time = text.lines().find_map(|line| line.strip_prefix("Frame Time:")).unwrap();
+        assert!((time.trim().parse::<f64>().unwrap() - 0.02).abs() < 1e-12, "{time}");
+    }
 }

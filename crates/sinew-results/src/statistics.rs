@@ -425,4 +425,13 @@ mod tests {
         let [mean, sd] = found[&name];
         assert!(found.len() == 1 && (mean - 2.0).abs() < 1e-9 && (sd - 1.0).abs() < 1e-9, "{found:?}");
     }
+
+    #[test]
+    fn the_least_effective_sample_size_is_that_of_one_frame() {
+        let info = info(false);
+        let mut statistics = Statistics::new(&info, Texts::default());
+        (0..41).for_each(|k| statistics.add(&FrameEstimate { number: k, ess: 7.0 + k as f64, ..usual() }));
+        let found = statistics.summary(&info, &Ending::default(), &[]).diagnostics;
+        assert_eq!((found.ess_least, found.ess_median), (Some(7.0), Some(27.0)));
+    }
 }
