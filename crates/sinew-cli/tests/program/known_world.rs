@@ -188,6 +188,51 @@ fn errors_that_last_some_frames_widen_filtered_numbers() {
     check(8, &Script { lasting: vec![nothing], persistence_s: 0.1, ..Script::default() }, &[], Knows::Past);
 }
 
+/// The last frame of a smoothed run knows no more than the filter does, and is as wide with what errors that last some frames add.
+#[test]
+fn errors_that_last_some_frames_widen_the_end_of_a_smoothed_run() {
+    let nothing = Constant { name: "A.lag_s".into(), value: 0.0, draws: vec![0.0; 128] };
+    let script = Script { lasting: vec![nothing], persistence_s: 0.1, ..Script::default() };
+    let mut ratios = vec![];
+    for seed in 1..=6 {
+        let world = World::new(Script { seed, ..script.clone() });
+        let trial = world.write();
+        run(&world, &trial, "out", &["--smooth"]);
+        let (last, points) = (world.script.frames - 1, POINTS.len());
+        let said = Said::new(&world, last);
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            let found = numbers(&trial, "out/joints.csv", &format!("{name}_sd_m"));
+            let ratio = |point: usize| found[points * last + point] / said.point(last, point, axis, |_| 0.0).sd();
+            ratios.extend((0..points).map(ratio));
+        }
+    }
+    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+    assert!((mean - 1.0).abs() < 0.06, "{mean}");
+}
+
+/// The draws of the keypoints in `posterior.zarr` are moved by the constants as those that `keypoints.csv` describes.
+#[test]
+fn draws_of_keypoints_have_the_spread_of_the_table() {
+    let mut ratios = vec![];
+    for seed in 1..=4 {
+        let world = World::new(Script { seed, lasting: constants(16), ..Script::default() });
+        let trial = world.write();
+        run(&world, &trial, "out", &[]);
+        let found = sinew::predict::drawn(&trial.path("out"), "keypoint_position").unwrap();
+        let [_, draws, frames, points, 3] = found.shape[..] else { panic!("{:?}", found.shape) };
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
+            for (place, sd) in numbers(&trial, "out/keypoints.csv", &format!("{name}_sd_m")).into_iter().enumerate() {
+                let at = |draw: usize| found.values[(draw * frames * points + place) * 3 + axis];
+                let mean = (0..draws).map(at).sum::<f64>() / draws as f64;
+                let square = (0..draws).map(|draw| (at(draw) - mean).powi(2)).sum::<f64>() / (draws as f64 - 1.0);
+                ratios.push(square / (sd * sd));
+            }
+        }
+    }
+    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+    assert!((mean - 1.0).abs() < 0.15, "{mean}");
+}
+
 #[test]
 fn a_body_that_only_translates_is_tracked() {
     check(4, &Script { turns: false, ..Script::default() }, &[], Knows::Past);
