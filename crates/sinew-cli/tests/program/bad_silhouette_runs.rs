@@ -1,19 +1,23 @@
 //! What the program says where masks, images and starts do not fit. A person who is lost leaves results that say so.
 
-use crate::common::{Trial, files};
+use crate::common::{Files, Trial, files, made_once};
 use sinew::formats::{mask, picture};
 use sinew::observe::silhouettes::bit_image::BitImage;
 use std::fs;
 use std::process::Output;
+use std::sync::OnceLock;
 
 const SIZE: &str = "--size=96x72";
 const FRAMES: usize = 12;
 
 /// A recording `rec` of two cameras and twelve frames.
 fn recorded() -> Trial {
-    let trial = Trial { folder: tempfile::tempdir().unwrap() };
-    simulate(&trial, "-orec", SIZE);
-    trial
+    static RECORDED: OnceLock<Files> = OnceLock::new();
+    made_once(&RECORDED, || {
+        let trial = Trial { folder: tempfile::tempdir().unwrap() };
+        simulate(&trial, "-orec", SIZE);
+        trial
+    })
 }
 
 fn simulate(trial: &Trial, out: &str, size: &str) {
@@ -101,6 +105,17 @@ fn by_parts(trial: &Trial, more: &[&str]) -> Output {
     trial.run(&[&usual[..], &small, rate, more].concat())
 }
 
+/// A recording with a run in `colours`, whose set-up knows the person's colours.
+fn coloured() -> Trial {
+    static COLOURED: OnceLock<Files> = OnceLock::new();
+    made_once(&COLOURED, || {
+        let trial = recorded();
+        let output = by_parts(&trial, &["--images=rec/images", "-ocolours"]);
+        assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+        trial
+    })
+}
+
 /// The row of the answer about colours.
 fn row_of_colours(output: &Output) -> String {
     let answer = String::from_utf8_lossy(&output.stdout);
@@ -129,8 +144,7 @@ fn colours_that_are_missing_on_one_side_are_named() {
 
 #[test]
 fn grey_images_are_named() {
-    let trial = recorded();
-    assert_eq!(by_parts(&trial, &["--images=rec/images", "-ocolours"]).status.code(), Some(0));
+    let trial = coloured();
     for (name, bytes) in files(&trial.path("rec/images")) {
         let mut image = picture::read(&name, &bytes).unwrap();
         image.pixels.iter_mut().for_each(|pixel| *pixel = [pixel[1]; 3]);
@@ -148,8 +162,7 @@ fn grey_images_are_named() {
 
 #[test]
 fn colours_that_cannot_be_are_refused() {
-    let trial = recorded();
-    assert_eq!(by_parts(&trial, &["--images=rec/images", "-ocolours"]).status.code(), Some(0));
+    let trial = coloured();
     let stored = fs::read_to_string(trial.path("colours/setup.toml")).unwrap();
     let (before, colours) = stored.split_once("[colours]").expect("they are stored");
     let first = colours.lines().find(|line| line.starts_with("pixels")).expect("a part was seen");

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::Output;
 
 /// Settings that make a trial short.
-const SETTINGS: &str = "root = true\ncalibration = \"Calib.toml\"\nlayout = \"BODY_25B\"\nfps = 30\nupdates = 4\nburn_in = 1\nchains = 8\nmax_r_hat = 1e9\nmax_r_hat_share = 1.0\nmax_divergent_share = 1.0\ndraws = 8\n";
+const SETTINGS: &str = "root = true\ncalibration = \"Calib.toml\"\nlayout = \"BODY_25B\"\nfps = 30\nupdates = 4\nburn_in = 1\nchains = 8\nmax_r_hat = 1e9\nmax_r_hat_share = 1.0\nmax_divergent_share = 1.0\ndraws = 8\ncameras = [\"C1\", \"C2\", \"C3\"]\n";
 
 /// Two trials of anna, which share a set-up, and one of nobody in particular; each of a third of a second.
 fn recordings() -> Trial {

@@ -6,13 +6,12 @@
 //! else is in the cameras' view in the frame after the stop.
 
 use crate::common::synthetic::Whole;
-use crate::common::{column, files};
+use crate::common::{Files, column, files, write_files};
 use serde_json::Value;
 use sinew::track::checkpoint::{self, Checkpoint};
 use sinew_results::problem;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
 
 /// Frames of the run, those before the checkpoint, and those before the comparison.
 const FRAMES: u64 = 12;
@@ -93,18 +92,10 @@ fn with(document: &Value, field: &Field, edit: fn(&mut Value)) -> Option<Value> 
     (edited != *document).then_some(edited)
 }
 
-fn copy(from: &Path, to: &Path) {
-    for (name, bytes) in files(from) {
-        let path = to.join(name);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        fs::write(path, bytes).unwrap();
-    }
-}
-
 /// Resumes in a copy of a stopped run; the files after [`END`] frames, or why it was refused.
-fn resumed(whole: &Whole, stopped: &Path, from: Checkpoint) -> Result<BTreeMap<String, Vec<u8>>, String> {
+fn resumed(whole: &Whole, stopped: &Files, from: Checkpoint) -> Result<Files, String> {
     let out = whole.folder.path().join("resumed");
-    copy(stopped, &out);
+    write_files(&out, stopped);
     let ended = whole.run(&out, 1, Some(END), Some(from)).map(drop).map_err(|error| error.to_string());
     let mut left = files(&out);
     fs::remove_dir_all(&out).unwrap();
@@ -112,8 +103,8 @@ fn resumed(whole: &Whole, stopped: &Path, from: Checkpoint) -> Result<BTreeMap<S
     ended.map(|()| left)
 }
 
-/// A run that was stopped, where it lies, and its checkpoint as a document.
-fn stopped(whole: &Whole) -> (PathBuf, Value) {
+/// The files of a run that was stopped, and its checkpoint as a document.
+fn stopped(whole: &Whole) -> (Files, Value) {
     let out = whole.folder.path().join("stopped");
     whole.run(&out, 1, Some(STOP), None).unwrap();
     let from = checkpoint::read(&out).unwrap();
@@ -121,7 +112,7 @@ fn stopped(whole: &Whole) -> (PathBuf, Value) {
     let document = serde_json::to_value(&from).unwrap();
     let again: Checkpoint = serde_json::from_value(document.clone()).expect("all numbers are finite");
     assert!(again == from, "a document keeps the bits");
-    (out, document)
+    (files(&out), document)
 }
 
 /// Edits of fields, and whether they are noticed.

@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::OnceLock;
 
 /// A folder with a recording, and the program that runs in it.
 pub struct Trial {
@@ -33,6 +34,26 @@ pub fn trial(duration_s: f64) -> Trial {
     }
     fs::write(root.join("Calib.toml"), recording.calibration_toml()).unwrap();
     Trial { folder }
+}
+
+/// Every file below a folder, by its name.
+pub type Files = BTreeMap<String, Vec<u8>>;
+
+/// A folder that several tests begin with: the first that asks makes it, each gets a copy of its files. Results among them name the folder that they were made in.
+pub fn made_once(made: &OnceLock<Files>, make: impl FnOnce() -> Trial) -> Trial {
+    let made = made.get_or_init(|| files(make().folder.path()));
+    let trial = Trial { folder: tempfile::tempdir().unwrap() };
+    write_files(trial.folder.path(), made);
+    trial
+}
+
+/// Writes files below a folder.
+pub fn write_files(folder: &Path, files: &Files) {
+    for (name, bytes) in files {
+        let path = folder.join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, bytes).unwrap();
+    }
 }
 
 /// What `sinew track` needs on every recording here.
@@ -108,7 +129,7 @@ impl Trial {
 }
 
 /// Every file below a folder.
-pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+pub fn files(folder: &Path) -> Files {
     let mut found = BTreeMap::new();
     let mut pending = vec![folder.to_owned()];
     while let Some(path) = pending.pop() {

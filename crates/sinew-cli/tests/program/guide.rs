@@ -2,15 +2,16 @@
 //! Commands run in the order of the page.
 //!
 //! A page finds the files of "your own recording" in its folder: a simulated one. Blocks that open with `# sinew.toml` are written to that file. Runs are
-//! shortened by settings in the environment and simulations to a second; nothing else differs from what a reader types. A line that ends with a backslash continues in the next. Lines that do not begin with
-//! `sinew` are not run.
+//! shortened by settings in the environment; walkers are simulated for a second where a page does not say how long, before two cameras of small images. Nothing else differs from what a reader types. `sinew demo`, with which
+//! several pages begin, is run once. A line that ends with a backslash continues in the next. Lines that do not begin with `sinew` are not run.
 
-use crate::common::Trial;
+use crate::common::{Files, Trial, files, write_files};
 use sinew::core::random::Stage;
 use sinew::formats::{calib_toml, picture};
 use sinew_simulate::render::RayCamera;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// Settings that make runs short, and let their diagnostics pass.
 const SHORT: [(&str, &str); 11] = [
@@ -113,12 +114,29 @@ fn own_recording(trial: &Trial) {
     fs::remove_dir_all(trial.path("made")).unwrap();
 }
 
+/// What `sinew demo` writes, and what it prints: it reads no file and nothing of the environment.
+static DEMO: OnceLock<(Files, String)> = OnceLock::new();
+
+fn demo() -> (Files, String) {
+    let trial = Trial { folder: tempfile::tempdir().unwrap() };
+    let output = trial.run(&["demo"]);
+    assert!(output.status.success(), "{}", trial.printed(&output));
+    (files(trial.folder.path()), String::from_utf8(output.stdout).unwrap())
+}
+
 /// Runs a line of a page, and returns what it printed.
 fn run(trial: &Trial, line: &str) -> String {
     let line = line.split(" #").next().unwrap_or(line);
     let mut arguments: Vec<&str> = line.split_whitespace().skip(1).collect();
-    if arguments[0] == "simulate" && !arguments.contains(&"--duration") {
-        arguments.extend(["--duration", "1"]);
+    if arguments == ["demo"] {
+        let (files, printed) = DEMO.get_or_init(demo);
+        write_files(trial.folder.path(), files);
+        return printed.clone();
+    }
+    if arguments[0] == "simulate" && !arguments.contains(&"--people") {
+        let is_said = arguments.contains(&"--duration");
+        arguments.extend(["--cameras", "2", "--size", "160x120"]);
+        arguments.extend(if is_said { &[][..] } else { &["--duration", "1"] });
     }
     let output = trial.command(&arguments).envs(SHORT).output().unwrap();
     // Who stands for a second says nothing of clocks.

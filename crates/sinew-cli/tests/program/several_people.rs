@@ -1,12 +1,13 @@
 //! Everybody in view is tracked in one run, each into a folder of their own.
 
-use crate::common::{QUICK, TRACK, Trial, files};
+use crate::common::{Files, QUICK, TRACK, Trial, files, made_once, write_files};
 use sinew::formats::{calib_toml, picture, trc};
 use sinew_results::LOCK_NAME;
 use sinew_simulate::calibration_error::CalibrationError;
 use sinew_simulate::crowd::{Crowd, CrowdNoise, CrowdRecording};
 use sinew_simulate::ring::Ring;
 use std::fs;
+use std::sync::OnceLock;
 
 /// Two people who cross, before three cameras.
 fn crossing() -> (Trial, CrowdRecording) {
@@ -27,6 +28,17 @@ fn crossing() -> (Trial, CrowdRecording) {
     }
     fs::write(folder.path().join("Calib.toml"), calib_toml::write(&recording.cameras)).unwrap();
     (Trial { folder }, recording)
+}
+
+/// The same with results of both in `whole`; what they name is a folder that is gone.
+fn tracked() -> Trial {
+    static WHOLE: OnceLock<Files> = OnceLock::new();
+    made_once(&WHOLE, || {
+        let (trial, _) = crossing();
+        let output = trial.track(&["-owhole"]);
+        assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+        trial
+    })
 }
 
 /// Mean distance of the hips of a result from each person's, metres.
@@ -59,14 +71,9 @@ fn each_of_two_people_gets_a_folder_and_a_stopped_run_resumes_to_the_same_files(
     assert_eq!(table.lines().count(), 3, "{table}");
 
     // As if it had been stopped when the first person was done.
-    let whole = files(&trial.path("whole"));
-    for (name, bytes) in &whole {
-        if !name.starts_with("people/02") {
-            let path = trial.path("out").join(name);
-            fs::create_dir_all(path.parent().unwrap()).unwrap();
-            fs::write(path, bytes).unwrap();
-        }
-    }
+    let mut left = files(&trial.path("whole"));
+    left.retain(|name, _| !name.starts_with("people/02"));
+    write_files(&trial.path("out"), &left);
     let without_times = |folder: &str| {
         let mut all = files(&trial.path(folder));
         all.retain(|name, _| !name.ends_with("timings.json"));
@@ -97,10 +104,7 @@ fn each_of_two_people_gets_a_folder_and_a_stopped_run_resumes_to_the_same_files(
 
 #[test]
 fn results_of_one_person_and_of_several_replace_each_other_only_if_forced() {
-    let (trial, _) = crossing();
-    let output = trial.track(&["-owhole"]);
-    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
-
+    let trial = tracked();
     // Finished results are not replaced unasked, and one person alone is tracked on request.
     let output = trial.track(&["-owhole"]);
     assert_eq!(output.status.code(), Some(5), "{}", trial.printed(&output));
@@ -163,11 +167,9 @@ fn a_number_chooses_the_person_of_the_folder_of_that_number() {
 /// Both people lie in the pictures of one call, each in their colour.
 #[test]
 fn everybody_is_drawn_in_one_picture() {
-    let (trial, _) = crossing();
-    let output = trial.track(&["-oout"]);
-    assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
+    let trial = tracked();
     let output =
-        trial.run(&["overlay", "out", "--calibration=Calib.toml", "--frames=10..12", "-oall", "--no-progress"]);
+        trial.run(&["overlay", "whole", "--calibration=Calib.toml", "--frames=10..12", "-oall", "--no-progress"]);
     assert_eq!(output.status.code(), Some(0), "{}", trial.printed(&output));
     assert!(String::from_utf8_lossy(&output.stdout).starts_with("6 pictures"), "{}", trial.printed(&output));
     for (name, bytes) in files(&trial.path("all")).iter().filter(|(name, _)| name.ends_with(".png")) {
