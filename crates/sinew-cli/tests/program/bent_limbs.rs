@@ -25,7 +25,7 @@ const COCO: usize = 17;
 #[test]
 fn knees_bend_backwards_where_keypoints_end_at_the_ankles() {
     let trial = Trial { folder: tempfile::tempdir().unwrap() };
-    let simulated = trial.run(&["simulate", "--duration", "2.7", "--seed", "11", "--images", "none", "-o", "walk"]);
+    let simulated = trial.run(&["simulate", "--duration", "6", "--seed", "11", "--images", "none", "-o", "walk"]);
     assert!(simulated.status.success(), "{}", trial.printed(&simulated));
     for camera in fs::read_dir(trial.path("walk/keypoints")).unwrap() {
         for file in fs::read_dir(camera.unwrap().path()).unwrap() {
