@@ -145,9 +145,10 @@ pub fn refine(
         let tree = build(&proportions);
         poses = fit_poses(&tree, &frames, &poses, &coarse);
         let (mut normal, mut right) = prior(start, &proportions, config);
+        let plans = Plans::new(build, &proportions);
         for (targets, pose) in frames.iter().zip(&poses) {
             if let Some(pose) = pose {
-                add_frame(build, &proportions, targets, pose, damping, huber_m, &mut normal, &mut right);
+                add_frame(&plans, targets, pose, damping, huber_m, &mut normal, &mut right);
             }
         }
         keep_feet_level(&mut normal, start, &proportions, feet);
@@ -198,11 +199,26 @@ fn keep_feet_level(normal: &mut DMatrix<f64>, start: &Proportions, now: &Proport
     normal.gemm(LEVEL_SD.powi(-2), &gradients, &gradients.transpose(), 1.0);
 }
 
+/// All points of a body, and of bodies in which one size after the other is a metre larger.
+struct Plans {
+    own: Plan,
+    longer: Vec<Plan>,
+}
+
+impl Plans {
+    fn new(build: fn(&Proportions) -> KinematicTree, proportions: &Proportions) -> Self {
+        let longer = SIZES.iter().map(|(_, _, size)| {
+            let mut longer = *proportions;
+            *size(&mut longer) += 1.0;
+            Plan::with_all_points(&build(&longer))
+        });
+        Self { own: Plan::with_all_points(&build(proportions)), longer: longer.collect() }
+    }
+}
+
 /// Adds a frame's share of the equations for the sizes, its pose eliminated.
-#[allow(clippy::too_many_arguments)]
 fn add_frame(
-    build: fn(&Proportions) -> KinematicTree,
-    proportions: &Proportions,
+    plans: &Plans,
     targets: &[Option<Target>],
     pose: &[f64],
     damping: f64,
@@ -210,19 +226,15 @@ fn add_frame(
     normal: &mut DMatrix<f64>,
     right: &mut DVector<f64>,
 ) {
-    let tree = build(proportions);
-    let plan = Plan::with_all_points(&tree);
+    let plan = &plans.own;
     let (n, dof) = (3 * plan.points(), plan.dof());
     let (mut positions, mut jacobian) = (vec![0.0; n], vec![0.0; n * dof]);
-    point_jacobian(&plan, ISA, pose, &mut positions, &mut jacobian);
+    point_jacobian(plan, ISA, pose, &mut positions, &mut jacobian);
     // Points are linear in every size: a difference of any length is the derivative.
-    let by_size: Vec<Vec<f64>> = SIZES
-        .iter()
-        .map(|(_, _, size)| {
-            let mut longer = *proportions;
-            *size(&mut longer) += 1.0;
+    let by_size: Vec<Vec<f64>> = (plans.longer.iter())
+        .map(|longer| {
             let mut moved = vec![0.0; n];
-            point_positions(&Plan::with_all_points(&build(&longer)), ISA, pose, &mut moved);
+            point_positions(longer, ISA, pose, &mut moved);
             moved.iter().zip(&positions).map(|(a, b)| a - b).collect()
         })
         .collect();

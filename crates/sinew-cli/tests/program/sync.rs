@@ -207,3 +207,21 @@ fn clocks_are_found_from_everybody_of_a_crowd() {
     let late = found(&trial);
     assert!((late[1] - 5.0).abs() < 0.3 && [0, 2, 3].iter().all(|c| late[*c].abs() < 0.2), "{late:?}");
 }
+
+/// That all cameras are in step is as sure as the one of which least is known.
+#[test]
+fn cameras_are_in_step_as_surely_as_the_least_known() {
+    let Some(data) = sinew_tests::data::shared("pose2sim_single") else { return };
+    let trial = Trial { folder: tempfile::tempdir().unwrap() };
+    let [calibration, keypoints] =
+        ["Calib.toml", "T01_BalancingTrial/pose"].map(|name| data.join(name).display().to_string());
+    let of_recording = ["--calibration", &calibration, "--keypoints", &keypoints, "--layout", "BODY_25B"];
+    let output = trial.run(&[&["sync", "--fps", "60"], &of_recording[..]].concat());
+    let said = String::from_utf8(output.stdout).unwrap();
+    let spread = |line: &str| line.split("± ").nth(1)?.split(' ').next()?.parse::<f64>().ok();
+    let spreads: Vec<f64> = said.lines().filter_map(spread).collect();
+    let (all, cameras) = spreads.split_last().unwrap();
+    assert!(cameras.len() == 4 && said.contains("all cameras are in step"), "{said}");
+    let [least, most] = [f64::min, f64::max].map(|of| cameras.iter().copied().reduce(of).unwrap());
+    assert!(least < most && *all == most, "{said}");
+}
