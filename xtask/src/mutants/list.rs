@@ -117,7 +117,8 @@ mod tests {
             };
         }
         let module = test.split("::tests::").next().unwrap_or(test).replace("::", "/");
-        folder.join(format!("src/{module}.rs"))
+        let of_their_own = folder.join(format!("src/{module}/tests.rs"));
+        if of_their_own.exists() { of_their_own } else { folder.join(format!("src/{module}.rs")) }
     }
 
     #[test]
