@@ -217,7 +217,7 @@ mod tests {
         };
         let tracked = Tracked { setup, image_scale: 0.5, lag: vec![], fps: 30.0, frames: vec![] };
         let picture = camera.resized(0.75);
-        let seen = tracked.as_seen(&[picture.clone()], &[camera]).pop().unwrap();
+        let seen = tracked.as_seen(std::slice::from_ref(&picture), &[camera]).pop().unwrap();
         let pixel = |camera: &Camera| camera.project([0.3, 0.2, 1.1]).pixel().unwrap();
         let moved = [0, 1].map(|axis: usize| pixel(&seen)[axis] - pixel(&picture)[axis]);
         assert!((moved[0] - 6.0).abs() < 1e-9 && (moved[1] + 3.0).abs() < 1e-9, "{moved:?}");

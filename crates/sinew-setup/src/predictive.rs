@@ -415,7 +415,7 @@ mod tests {
         for number in 0..26 {
             let other = if number % 2 == 0 { 1.0 } else { -1.0 };
             let residual = |k: usize| {
-                let side = if k % 2 == 0 { 0.5 } else { -0.5 } * if k < 2 { other } else { 1.0 };
+                let side = if k.is_multiple_of(2) { 0.5 } else { -0.5 } * if k < 2 { other } else { 1.0 };
                 Some(Residual { sd_px: 2.0, mean_px: [side; 2], square: 3.0 + other * apart, gross: 0.0 })
             };
             predictive.camera(number, 0, &(0..10).map(residual).collect::<Vec<_>>(), None);

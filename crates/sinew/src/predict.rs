@@ -455,7 +455,7 @@ mod tests {
         };
         let tracked =
             |image_scale: f64| Tracked { setup: setup.clone(), image_scale, lag: vec![], fps: 30.0, frames: vec![] };
-        let found = |image_scale: f64| noise_m2(&tracked(image_scale), &known, &[camera.clone()]).sqrt();
+        let found = |image_scale: f64| noise_m2(&tracked(image_scale), &known, std::slice::from_ref(&camera)).sqrt();
         assert!(
             (found(1.0) - 0.015).abs() < 1e-12 && (found(0.5) - 0.030).abs() < 1e-12,
             "{} {}",
