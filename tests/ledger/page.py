@@ -6,6 +6,7 @@ from pathlib import Path
 
 import drawn  # noqa: F401
 import frames  # noqa: F401
+import isb  # noqa: F401
 import ledger
 import motion  # noqa: F401
 import overall  # noqa: F401

@@ -5,6 +5,7 @@ import shutil
 
 import drawn  # noqa: F401
 import frames
+import isb  # noqa: F401
 import ledger
 import motion  # noqa: F401
 import overall  # noqa: F401
@@ -22,7 +23,7 @@ FIRST, LAST = 3, 15
 
 @pytest.fixture(scope="session")
 def runs(call, walk, tmp_path_factory):
-    """Four runs of one walk: filtered, smoothed, and with a set-up in which nothing lasts filtered by chains and by particles that are weighed. In one frame one camera sees the person."""
+    """Five runs of one walk: filtered, smoothed, and with a set-up in which nothing lasts filtered by chains, by particles that are weighed, and by chains with the angles of the ISB. In one frame one camera sees the person."""
     folder = tmp_path_factory.mktemp("ledger")
     shutil.copytree(walk / "keypoints", folder / "keypoints")
     shutil.copy(walk / "Calib.toml", folder)
@@ -38,6 +39,7 @@ def runs(call, walk, tmp_path_factory):
     said["smoothed"] = call(folder, *every, "--fps", BROADCAST_FPS, "--smooth", "--draws", 128, "--setup", "filtered/setup.toml", "-o", "smoothed")
     said["weighted"] = call(folder, *every, "--fps", FPS, "--method", "guided", "--draws", 1000, "--setup", "plain.toml", "-o", "weighted")
     said["plain"] = call(folder, *every, "--fps", FPS, *all_draws, "--setup", "plain.toml", "-o", "plain")
+    said["isb"] = call(folder, *every, "--fps", FPS, *all_draws, "--angles", "isb", "--setup", "plain.toml", "-o", "isb")
     numbers = list(range(FIRST, LAST))
     for name in said:
         call(folder, "report", name)
