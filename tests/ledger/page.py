@@ -4,12 +4,12 @@ import tomllib
 from fnmatch import fnmatchcase
 from pathlib import Path
 
-import drawn  # noqa: F401
 import frames  # noqa: F401
 import isb  # noqa: F401
 import ledger
 import motion  # noqa: F401
 import overall  # noqa: F401
+import report  # noqa: F401
 import visibility  # noqa: F401
 import weighted  # noqa: F401
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import zarr
-from page_file import curves, numbers_of_page
+from report_html import curves, numbers_of_page
 
 TABLES = ("joints.csv", "keypoints.csv", "angles.csv", "state.csv", "frames.csv", "markers_sd.csv")
 

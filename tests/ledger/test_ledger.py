@@ -3,7 +3,6 @@
 import json
 import shutil
 
-import drawn  # noqa: F401
 import frames
 import isb  # noqa: F401
 import ledger
@@ -11,6 +10,7 @@ import motion  # noqa: F401
 import overall  # noqa: F401
 import page
 import pytest
+import report  # noqa: F401
 import results
 import visibility  # noqa: F401
 import weighted  # noqa: F401
