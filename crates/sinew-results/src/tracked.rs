@@ -194,27 +194,8 @@ mod tests {
             exchanged: 0.0,
             elsewhere: 0.0,
         };
-        let setup = Setup {
-            schema: sinew_setup::SCHEMA,
-            body: sinew_setup::Body::H32,
-            layout: "body25b".into(),
-            person: 0,
-            world_up: "z".into(),
-            world_up_sd_deg: None,
-            up_axis: "+z".into(),
-            model_error_m: 0.0,
-            size_sd: 0.0,
-            start_frame: 0,
-            start_pose: vec![],
-            step_size: None,
-            leapfrog_steps: None,
-            motion_sd: None,
-            girth: None,
-            colours: None,
-            lasting: None,
-            proportions: sinew_body::Proportions::default(),
-            camera: vec![own],
-        };
+        let layout = sinew_formats::layout::find("body-25b").unwrap();
+        let setup = sinew_setup::unmeasured(&layout, &sinew_setup::SetupRequest::default(), vec![own]);
         let tracked = Tracked { setup, image_scale: 0.5, lag: vec![], fps: 30.0, frames: vec![] };
         let picture = camera.resized(0.75);
         let seen = tracked.as_seen(std::slice::from_ref(&picture), &[camera]).pop().unwrap();

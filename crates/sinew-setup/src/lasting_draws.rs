@@ -16,7 +16,7 @@ pub fn world_shifts(
     known: &MeasuredErrors,
 ) -> Vec<[f64; 3]> {
     let draws = known.draws();
-    let showing: Vec<usize> = (0..cameras.len()).filter(|c| !known.unseeing.contains(&cameras[*c].name)).collect();
+    let showing: Vec<usize> = (0..cameras.len()).filter(|c| !known.blind_cameras.contains(&cameras[*c].name)).collect();
     let showing_cameras: Vec<Camera> = showing.iter().map(|camera| cameras[*camera].clone()).collect();
     let from_draw = |draw: usize| {
         let error = |camera: &usize| {
@@ -97,15 +97,10 @@ mod tests {
         let mut known = MeasuredErrors {
             version: VERSION,
             cameras: names.map(str::to_owned).to_vec(),
-            unseeing: vec![],
-            points: vec![],
             middle_m: [0.0, 0.0, 1.0],
             frames: 2,
             worth: 2.0,
-            persistence_s: 0.0,
-            scale: vec![],
-            number: vec![],
-            source: vec![],
+            ..MeasuredErrors::default()
         };
         let still = DrawnNumber { name: "n".into(), value: 0.0, prior_mean: 0.0, prior_sd: 1.0, draws: vec![0.0; 2] };
         known.number = vec![still; known.layout().count()];

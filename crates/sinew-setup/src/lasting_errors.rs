@@ -24,7 +24,7 @@ const LONGEST_S: f64 = 100.0;
 pub const VERSION: u32 = 5;
 
 /// What the set-up found out about what is constant.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MeasuredErrors {
     /// Version of this table.
@@ -33,7 +33,7 @@ pub struct MeasuredErrors {
     pub cameras: Vec<String>,
     /// Those of them that showed nobody in the frames looked at: of their errors only the prior is known.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub unseeing: Vec<String>,
+    pub blind_cameras: Vec<String>,
     /// Names of the body's points that are keypoints.
     pub points: Vec<String>,
     /// Middle of the person in the frames looked at, metres: biases are in metres at its distance.
@@ -195,15 +195,14 @@ mod tests {
         let mut known = MeasuredErrors {
             version: VERSION,
             cameras: vec!["C1".into()],
-            unseeing: vec![],
             points: vec!["LKnee".into()],
             middle_m: [0.0; 3],
             frames: 2,
             worth: 2.0,
             persistence_s: 0.1,
             scale: vec![DrawnScale { name: "cameras".into(), draws: vec![1.0, 2.0] }],
-            number: vec![],
             source: vec![PointSources { point: "Nose".into(), ..PointSources::default() }],
+            ..MeasuredErrors::default()
         };
         known.number = (0..known.layout().count()).map(number).collect();
         known

@@ -115,15 +115,11 @@ mod tests {
         let mut known = MeasuredErrors {
             version: VERSION,
             cameras: vec!["C1".into(), "C2".into()],
-            unseeing: vec![],
-            points: vec![],
             middle_m: [0.0; 3],
             frames: 2,
             worth: 2.0,
             persistence_s: 0.1,
-            scale: vec![],
-            number: vec![],
-            source: vec![],
+            ..MeasuredErrors::default()
         };
         let others = known.layout().lags().start;
         known.number = (0..others).map(|_| number([0.0; 2], 1.0)).collect();

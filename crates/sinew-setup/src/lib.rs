@@ -79,7 +79,7 @@ pub use lasting_errors::MeasuredErrors;
 pub use measured_lasting::{measure_lasting, measure_lasting_with};
 pub use measured_look::measure_look;
 pub use measured_motion::measure_motion;
-pub use pass::{find_up, set_up};
+pub use pass::{find_up, set_up, unmeasured};
 pub use pose_fit::pose_of;
 pub use setup_error::SetupError;
 pub use stored::{Body, CameraSetup, FileBody, SCHEMA, Setup};

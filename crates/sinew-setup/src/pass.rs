@@ -123,7 +123,8 @@ fn measure(
 }
 
 /// A set-up of the default sizes, without a pose.
-pub(super) fn unmeasured(layout: &Layout, request: &SetupRequest, camera: Vec<CameraSetup>) -> Setup {
+#[must_use]
+pub fn unmeasured(layout: &Layout, request: &SetupRequest, camera: Vec<CameraSetup>) -> Setup {
     Setup {
         schema: SCHEMA,
         body: request.body.clone(),

@@ -44,7 +44,7 @@ fn pooled(recordings: Vec<InMemory>) -> MeasuredErrors {
 
 /// It may be stopped before each of its three rounds and before the draws; then nothing is in the set-up.
 #[test]
-fn what_lasts_is_measured_in_parts_that_may_be_stopped() {
+fn measuring_lasting_errors_can_be_stopped() {
     let (before, mut source) = prepared(vec![walker(FRAMES)]);
     let frames = source.frames();
     let mut stopped_after = |parts: usize| {

@@ -411,19 +411,8 @@ mod tests {
     #[test]
     fn scatter_in_pixels_is_that_of_the_images_which_were_shown() {
         let camera = Camera::look_at("C1", [1000.0; 2], 1000.0, [5.0, 0.0, 1.0], [0.0, 0.0, 1.0]).unwrap();
-        let known = MeasuredErrors {
-            version: crate::setup::lasting_errors::VERSION,
-            cameras: vec!["C1".into()],
-            unseeing: vec![],
-            points: vec![],
-            middle_m: [0.0, 0.0, 1.0],
-            frames: 1,
-            worth: 1.0,
-            persistence_s: 0.0,
-            scale: vec![],
-            number: vec![],
-            source: vec![],
-        };
+        let known =
+            MeasuredErrors { cameras: vec!["C1".into()], middle_m: [0.0, 0.0, 1.0], ..MeasuredErrors::default() };
         let own = crate::setup::CameraSetup {
             name: "C1".into(),
             offset_px: [0.0; 2],
@@ -432,27 +421,8 @@ mod tests {
             exchanged: 0.0,
             elsewhere: 0.0,
         };
-        let setup = crate::setup::Setup {
-            schema: crate::setup::SCHEMA,
-            body: sinew_setup::Body::H32,
-            layout: "body25b".into(),
-            person: 0,
-            world_up: "z".into(),
-            world_up_sd_deg: None,
-            up_axis: "+z".into(),
-            model_error_m: 0.0,
-            size_sd: 0.0,
-            start_frame: 0,
-            start_pose: vec![],
-            step_size: None,
-            leapfrog_steps: None,
-            motion_sd: None,
-            girth: None,
-            colours: None,
-            lasting: None,
-            proportions: sinew_body::Proportions::default(),
-            camera: vec![own],
-        };
+        let layout = sinew_formats::layout::find("body-25b").unwrap();
+        let setup = crate::setup::unmeasured(&layout, &crate::setup::SetupRequest::default(), vec![own]);
         let tracked =
             |image_scale: f64| Tracked { setup: setup.clone(), image_scale, lag: vec![], fps: 30.0, frames: vec![] };
         let found = |image_scale: f64| noise_m2(&tracked(image_scale), &known, std::slice::from_ref(&camera)).sqrt();

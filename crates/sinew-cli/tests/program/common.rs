@@ -36,6 +36,13 @@ pub fn trial(duration_s: f64) -> Trial {
     Trial { folder }
 }
 
+/// What names the real recording of one man and a bystander; `None` where the shared data are missing.
+pub fn balancing_trial() -> Option<[String; 3]> {
+    let data = sinew_tests::data::shared("pose2sim_single")?;
+    let file = |flag: &str, name: &str| format!("--{flag}={}", data.join(name).display());
+    Some([file("calibration", "Calib.toml"), file("keypoints", "T01_BalancingTrial/pose"), "--layout=BODY_25B".into()])
+}
+
 /// Every file below a folder, by its name.
 pub type Files = BTreeMap<String, Vec<u8>>;
 

@@ -1,6 +1,6 @@
 //! Cameras whose clocks are off by whole frames: what the user reads, and what `--lag` makes of it.
 
-use crate::common::{Trial, trial};
+use crate::common::{Trial, balancing_trial, trial};
 use std::fs;
 use std::path::Path;
 
@@ -108,11 +108,9 @@ fn lags_in_a_real_recording_are_found() {
 /// His keypoints stand on a grid of pixels and hardly move: what looks like a lag does not follow when a camera is moved in time.
 #[test]
 fn a_bystander_makes_no_camera_early() {
-    let Some(data) = sinew_tests::data::shared("pose2sim_single") else { return };
+    let Some([calibration, keypoints, layout]) = balancing_trial() else { return };
     let trial = Trial { folder: tempfile::tempdir().unwrap() };
-    let [calibration, keypoints] =
-        ["Calib.toml", "T01_BalancingTrial/pose"].map(|name| data.join(name).display().to_string());
-    let of_recording = ["track", "--calibration", &calibration, "--keypoints", &keypoints, "--layout", "BODY_25B"];
+    let of_recording = ["track", &calibration, &keypoints, &layout];
     let quick = ["--fps", "60", "--person", "2", "--updates", "12", "--burn-in", "4", "--patience", "1", "-o", "out"];
     let said = trial.printed(&trial.run(&[&of_recording[..], &quick].concat()));
     assert!(trial.path("out/joints.csv").is_file() && !said.contains("against the other cameras"), "{said}");

@@ -1,6 +1,6 @@
 //! `sinew sync` and `sinew track --sync`: cameras that are late by whole frames and by parts of one.
 
-use crate::common::{Trial, trial};
+use crate::common::{Trial, balancing_trial, trial};
 use sinew::formats::openpose::Keypoint;
 use sinew_simulate::detector::{DetectorNoise, detect};
 use sinew_simulate::recording::{Script, SyntheticRecording, body_25b, keypoint_files};
@@ -211,12 +211,9 @@ fn clocks_are_found_from_everybody_of_a_crowd() {
 /// That all cameras are in step is as sure as the one of which least is known.
 #[test]
 fn cameras_are_in_step_as_surely_as_the_least_known() {
-    let Some(data) = sinew_tests::data::shared("pose2sim_single") else { return };
+    let Some([calibration, keypoints, layout]) = balancing_trial() else { return };
     let trial = Trial { folder: tempfile::tempdir().unwrap() };
-    let [calibration, keypoints] =
-        ["Calib.toml", "T01_BalancingTrial/pose"].map(|name| data.join(name).display().to_string());
-    let of_recording = ["--calibration", &calibration, "--keypoints", &keypoints, "--layout", "BODY_25B"];
-    let output = trial.run(&[&["sync", "--fps", "60"], &of_recording[..]].concat());
+    let output = trial.run(&["sync", "--fps", "60", &calibration, &keypoints, &layout]);
     let said = String::from_utf8(output.stdout).unwrap();
     let spread = |line: &str| line.split("± ").nth(1)?.split(' ').next()?.parse::<f64>().ok();
     let spreads: Vec<f64> = said.lines().filter_map(spread).collect();

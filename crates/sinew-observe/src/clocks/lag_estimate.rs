@@ -94,8 +94,8 @@ const NOT_FREE: f64 = 1e-6;
 /// Standard deviations of a keypoint's offset, pixels: one that lets a lag alone, and one as calibrations and detectors have it. A lag of half a stride, in which one leg looks like the other, needs offsets as long as the way in that time.
 const ANY_OFFSET_PX: f64 = 100.0;
 const USUAL_OFFSET_PX: f64 = 10.0;
-/// Frames by which the views of a camera that is off are moved, and the share of it that its lag must follow.
-const TEST: f64 = 4.0;
+/// Frames by which the views of a camera that is off are moved to see whether its lag follows, and the share that it must follow by.
+const MOVED_BY: f64 = 4.0;
 const FOLLOWED: f64 = 0.5;
 /// Change of a lag after which they are estimated again, frames.
 const SCATTERS: f64 = 0.1;
@@ -113,14 +113,15 @@ pub fn camera_clocks(
         return None;
     }
     let span = Span::over(runs);
+    let seen = SeenRuns { cameras, runs, search, span };
     let mut fit = Fit::nothing_known(cameras.len());
-    fit.improve(cameras, runs, search, span, NO_DRIFT);
-    fit.test(cameras, runs, search, span, NO_DRIFT, taken);
+    fit.improve(&seen, NO_DRIFT);
+    fit.doubt(&seen, NO_DRIFT, taken);
     if search.drifts && 2.0 * span.half > LEAST_DRIFT_S * search.fps {
         let mut drifting = fit.clone();
         let drift_sd = 1e-6 * PRIOR_PPM * span.half;
-        drifting.improve(cameras, runs, search, span, drift_sd);
-        drifting.test(cameras, runs, search, span, drift_sd, taken);
+        drifting.improve(&seen, drift_sd);
+        drifting.doubt(&seen, drift_sd, taken);
         let found = drifting.clocks(taken, span);
         if found.iter().any(|clock| clock.drift[0].abs() > CERTAIN * clock.drift[1]) {
             return Some(found);
@@ -128,6 +129,14 @@ pub fn camera_clocks(
     }
     let still = |clock: CameraClock| CameraClock { drift: [0.0; 2], ..clock };
     Some(fit.clocks(taken, span).into_iter().map(still).collect())
+}
+
+/// Runs of frames (number, detections) of some cameras, and the frames that they span.
+struct SeenRuns<'a> {
+    cameras: &'a [Camera],
+    runs: &'a [&'a [(u64, Sighted)]],
+    search: &'a LagSearch,
+    span: Span,
 }
 
 /// What is known of the numbers of all cameras: lag and drift of each.
@@ -145,14 +154,8 @@ impl Fit {
     }
 
     /// Takes away what is found, until nothing is left.
-    fn improve(
-        &mut self,
-        cameras: &[Camera],
-        runs: &[&[(u64, Sighted)]],
-        search: &LagSearch,
-        span: Span,
-        drift_sd: f64,
-    ) {
+    fn improve(&mut self, seen: &SeenRuns<'_>, drift_sd: f64) {
+        let &SeenRuns { cameras, runs, search, span } = seen;
         let mut noise = vec![];
         let mut most = f64::INFINITY;
         let prior = PriorSds { own: [PRIOR_FRAMES, drift_sd], offset_px: ANY_OFFSET_PX };
@@ -180,7 +183,7 @@ impl Fit {
             }
         }
         let is_far = (0..cameras.len()).any(|c| self.total[OWN * c].abs() >= FAR);
-        let misfit = |lags: &DVector<f64>| misfit(cameras, &noise, runs, lags, span, search);
+        let misfit = |lags: &DVector<f64>| misfit(seen, &noise, lags);
         let none = DVector::zeros(self.total.len());
         if is_far && misfit(&self.total).zip(misfit(&none)).is_none_or(|(found, none)| found >= none) {
             self.known.fill(false);
@@ -194,23 +197,17 @@ impl Fit {
     }
 
     /// Takes the lag of a camera that is off as unknown if it does not follow where the camera's views are moved in time, towards the others.
-    fn test(
-        &mut self,
-        cameras: &[Camera],
-        runs: &[&[(u64, Sighted)]],
-        search: &LagSearch,
-        span: Span,
-        drift_sd: f64,
-        taken: &[f64],
-    ) {
+    fn doubt(&mut self, seen: &SeenRuns<'_>, drift_sd: f64, taken: &[f64]) {
+        let &SeenRuns { cameras, runs, span, .. } = seen;
         let clocks = self.clocks(taken, span);
         let follows = |camera: usize| {
-            let by = TEST.copysign(clocks[camera].lag.frames);
+            let by = MOVED_BY.copysign(clocks[camera].lag.frames);
             let mut moves = DVector::zeros(self.total.len());
             moves[OWN * camera] = by;
             let moved: Vec<_> = runs.iter().map(|frames| shifted(frames, &moves, span)).collect();
+            let moved: Vec<&[(u64, Sighted)]> = moved.iter().map(Vec::as_slice).collect();
             let mut fit = Self::nothing_known(cameras.len());
-            fit.improve(cameras, &moved.iter().map(Vec::as_slice).collect::<Vec<_>>(), search, span, drift_sd);
+            fit.improve(&SeenRuns { runs: &moved, ..*seen }, drift_sd);
             let late = |of: &Self| {
                 let others: Vec<f64> = (0..cameras.len())
                     .filter(|other| *other != camera && self.known[*other])
@@ -227,14 +224,8 @@ impl Fit {
 }
 
 /// How badly cameras agree once lags are taken away: the mean loss of a view; `None` where that is not known.
-fn misfit(
-    cameras: &[Camera],
-    noise: &[CameraNoise],
-    runs: &[&[(u64, Sighted)]],
-    lags: &DVector<f64>,
-    span: Span,
-    search: &LagSearch,
-) -> Option<f64> {
+fn misfit(seen: &SeenRuns<'_>, noise: &[CameraNoise], lags: &DVector<f64>) -> Option<f64> {
+    let &SeenRuns { cameras, runs, search, span } = seen;
     let runs = runs.iter().map(|frames| shifted(frames, lags, span));
     let sights: Vec<Sight> = runs.flat_map(|frames| sights_of(cameras, noise, &frames, span, search)).collect();
     let none = DVector::zeros(lags.len());

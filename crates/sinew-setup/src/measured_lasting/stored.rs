@@ -33,7 +33,10 @@ impl Fit {
         let longer: Vec<f64> = errors.lengths().map(|place| rounded(found.mean[place])).collect();
         setup.lasting = Some(MeasuredErrors {
             version: VERSION,
-            unseeing: (0..cameras.len()).filter(|c| !self.shows_somebody(*c)).map(|c| cameras[c].clone()).collect(),
+            blind_cameras: (0..cameras.len())
+                .filter(|c| !self.shows_somebody(*c))
+                .map(|c| cameras[c].clone())
+                .collect(),
             number: errors.names(&cameras, &length_names(), points).into_iter().enumerate().map(number).collect(),
             cameras,
             points: points.clone(),
