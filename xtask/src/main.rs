@@ -1,5 +1,7 @@
 //! Chores of the workspace: `cargo xtask <command>`. A door: what needs the product is handed on to `sinew-studies`.
 
+mod checkout;
+mod drawn_mutants;
 mod mutants;
 mod source;
 mod tidy;
@@ -26,6 +28,8 @@ struct HandedOn {
 
 #[derive(Subcommand)]
 enum Chore {
+    /// Draw mutants of the crates above the samplers, build them all at once and name the test that sees each.
+    DrawnMutants(drawn_mutants::Args),
     /// Plant the bugs of tests/planted in a copy of the workspace and name the test that catches each.
     Mutants(mutants::Args),
     /// Reproduce a paper: its tables and figures on our data, its claims judged.
@@ -47,6 +51,7 @@ enum Chore {
 fn main() -> ExitCode {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap_or(Path::new("."));
     match Cli::parse().chore {
+        Chore::DrawnMutants(args) => drawn_mutants::run(root, &args),
         Chore::Mutants(args) => mutants::run(root, &args),
         Chore::Reproduce(args) => study(root, Some("reproduce"), &args),
         Chore::Study(args) => study(root, None, &args),

@@ -9,10 +9,10 @@
 //!
 //! The table says for every bug which test caught it, and the first line of what that test said. A bug that survives, does not apply or does not build makes the exit code 1.
 
-mod checkout;
 pub mod list;
 mod trial;
 
+use crate::checkout;
 use list::Bug;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -56,7 +56,8 @@ fn plant(root: &Path, args: &Args) -> Result<usize, String> {
         }
         return Ok(0);
     }
-    let checkout = checkout::copy(root)?;
+    let checkout = root.join("target/mutants/checkout");
+    checkout::copy(root, &checkout, &BTreeSet::new())?;
     let trial = Trial::new(root, &checkout);
     let named: BTreeSet<_> = bugs.iter().flat_map(|bug| &bug.caught_by).collect();
     let started = Instant::now();

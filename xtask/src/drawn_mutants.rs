@@ -1,0 +1,278 @@
+//! `cargo xtask drawn-mutants`: draws mutants of the crates above the samplers, puts all of them behind switches into a copy of the workspace, builds it once, and asks which tests see each.
+//!
+//! 1. Candidates are found in the code (`candidates.rs`), and drawn with a fixed seed, from each crate in proportion to how many it has.
+//! 2. They are written into a copy (`switches.rs`); those that do not compile are left out and not replaced.
+//! 3. With each, the tests of its own crate run; where they pass, those tests of the program that stand for all at the door ([`DOOR`]). Snapshots always pass. Who does not end in time is not caught.
+//!
+//! A line for each is added to `target/mutants/drawn.tsv`; the same command goes on from there.
+
+mod candidates;
+mod programs;
+mod switches;
+
+use crate::checkout;
+use candidates::Mutant;
+use programs::{Answer, Place, Program, by_package, patience};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+/// Crates whose code is mutated: all above the samplers that compute, read or write what users read.
+const CRATES: [&str; 16] = [
+    "sinew",
+    "sinew-analysis",
+    "sinew-angles",
+    "sinew-batch",
+    "sinew-cli",
+    "sinew-formats",
+    "sinew-input",
+    "sinew-latent",
+    "sinew-markers",
+    "sinew-motion",
+    "sinew-report",
+    "sinew-results",
+    "sinew-setup",
+    "sinew-simulate",
+    "sinew-tracking",
+    "sinew-words",
+];
+
+/// Tests of the program whose expected numbers come from elsewhere, or which hold what it promises of files; a minute together.
+const DOOR: [&str; 6] = ["known_", "files_of_others", "result_folder", "motion_files", "calibrations", "gait"];
+
+/// Longest time of a test program that is run for each mutant of its crate.
+const LONGEST: Duration = Duration::from_secs(90);
+
+/// Options of the command.
+#[derive(clap::Args)]
+pub struct Args {
+    /// How many to draw.
+    #[arg(long, value_name = "N", default_value_t = 400)]
+    count: usize,
+    /// Which draw.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Print what is drawn and judge nothing.
+    #[arg(long)]
+    list: bool,
+    /// Judge again only those of these numbers.
+    #[arg(long, value_name = "N")]
+    only: Vec<usize>,
+}
+
+/// Runs the command.
+pub fn run(root: &Path, args: &Args) -> ExitCode {
+    match judge(root, args) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(what) => {
+            eprintln!("error: {what}");
+            ExitCode::from(5)
+        }
+    }
+}
+
+/// Random numbers by SplitMix64 (Steele, Lea and Flood 2014).
+fn next(state: &mut u64) -> u64 {
+    *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let mut z = *state;
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs") && !path.ends_with("tests.rs") {
+            found.push(path);
+        }
+    }
+    found.sort();
+}
+
+/// Mutants that are drawn; the place in the list is their number.
+fn draw(root: &Path, count: usize, seed: u64) -> Result<Vec<Mutant>, String> {
+    let mut texts = Vec::new();
+    for name in CRATES {
+        let mut paths = Vec::new();
+        sources(&root.join("crates").join(name).join("src"), &mut paths);
+        for path in paths {
+            let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+            let file = path.strip_prefix(root).unwrap_or(&path).to_string_lossy().replace('\\', "/");
+            texts.push((name, file, text));
+        }
+    }
+    let defaults: BTreeSet<String> =
+        texts.iter().flat_map(|(_, _, text)| candidates::types_with_defaults(text)).collect();
+    let mut of_crates = BTreeMap::<&str, Vec<Mutant>>::new();
+    for (name, file, text) in &texts {
+        of_crates.entry(name).or_default().extend(candidates::find(file, text, &defaults));
+    }
+    let all: usize = of_crates.values().map(Vec::len).sum();
+    let mut state = seed;
+    let mut drawn: Vec<Mutant> = Vec::new();
+    for mut of_crate in of_crates.into_values() {
+        let share = (of_crate.len() * count).div_ceil(all);
+        let first = drawn.len();
+        while drawn.len() - first < share && !of_crate.is_empty() {
+            let mutant = of_crate.swap_remove((next(&mut state) % of_crate.len() as u64) as usize);
+            if !drawn[first..].iter().any(|other| other.file == mutant.file && switches::collide(other, &mutant)) {
+                drawn.push(mutant);
+            }
+        }
+    }
+    Ok(drawn)
+}
+
+fn crate_of(mutant: &Mutant) -> &str {
+    mutant.file.split('/').nth(1).unwrap_or_default()
+}
+
+/// The file that a crate is compiled from.
+fn root_file(root: &Path, name: &str) -> Result<String, String> {
+    let files = ["lib.rs", "main.rs"].map(|file| format!("crates/{name}/src/{file}"));
+    files.into_iter().find(|file| root.join(file).exists()).ok_or_else(|| format!("{name} has no root"))
+}
+
+/// Writes the files of the copy with the mutants of these numbers; the lines of each.
+fn write(
+    root: &Path,
+    checkout: &Path,
+    drawn: &[Mutant],
+    kept: &BTreeSet<usize>,
+) -> Result<BTreeMap<String, switches::Switched>, String> {
+    let mut written = BTreeMap::new();
+    let files: BTreeSet<&String> = drawn.iter().map(|mutant| &mutant.file).collect();
+    for name in CRATES {
+        let root_file = root_file(root, name)?;
+        let of_crate = files.iter().filter(|file| file.split('/').nth(1) == Some(name)).map(|file| (*file).clone());
+        for file in of_crate.chain([root_file.clone()]).collect::<BTreeSet<_>>() {
+            let text = fs::read_to_string(root.join(&file)).map_err(|e| format!("{file}: {e}"))?;
+            let here = |k: &&usize| drawn[**k].file == file;
+            let mutants = kept.iter().filter(here).map(|k| (*k, &drawn[*k])).collect();
+            let mut switched = switches::switched(&text, &mutants);
+            if file == root_file {
+                switched.code += switches::FUNCTION;
+            }
+            let to = checkout.join(&file);
+            checkout::write_if_new(&to, switched.code.as_bytes()).map_err(|e| format!("{file}: {e}"))?;
+            written.insert(file, switched);
+        }
+    }
+    Ok(written)
+}
+
+/// The mutants that compile, written into the copy.
+fn those_that_compile(root: &Path, place: &Place<'_>, drawn: &[Mutant]) -> Result<BTreeSet<usize>, String> {
+    let mut kept: BTreeSet<usize> = (0..drawn.len()).collect();
+    loop {
+        let written = write(root, place.checkout, drawn, &kept)?;
+        let faults = programs::faults(place)?;
+        if faults.is_empty() {
+            return Ok(kept);
+        }
+        let before = kept.len();
+        for fault in &faults {
+            let lines = written.get(&fault.file).map(|file| &file.lines);
+            let of_fault = lines.into_iter().flatten().filter(|(_, lines)| lines.contains(&fault.line));
+            for (number, _) in of_fault {
+                kept.remove(number);
+            }
+        }
+        eprintln!("{} mutants do not compile", before - kept.len());
+        if kept.len() == before {
+            let Some(first) = faults.first() else { continue };
+            return Err(format!("{}:{}: {}", first.file, first.line, first.said));
+        }
+    }
+}
+
+/// Test programs with the names of tests to run, and the time that they take without a mutant.
+struct Trial<'a> {
+    own: BTreeMap<&'a str, Vec<(&'a Program, Duration)>>,
+    door: Option<(&'a Program, Duration)>,
+}
+
+/// Runs every program once without a mutant.
+fn trial<'a>(place: &Place<'_>, programs: &'a [Program]) -> Result<Trial<'a>, String> {
+    let none = usize::MAX;
+    let timed = |program: &'a Program, names: &[&str]| -> Result<(&'a Program, Duration), String> {
+        let started = Instant::now();
+        match program.answer(place, names, none, Duration::from_secs(1200))? {
+            Answer::Passed => Ok((program, started.elapsed())),
+            Answer::Failed(test) => {
+                Err(format!("{} {} fails without a mutant: {test}", program.package, program.target))
+            }
+            Answer::Late => Err(format!("{} {} does not end", program.package, program.target)),
+        }
+    };
+    let is_door = |program: &&Program| program.package == "sinew-cli" && program.target == "program";
+    let mut own = BTreeMap::<_, Vec<_>>::new();
+    for (package, of_package) in by_package(programs) {
+        if CRATES.contains(&package) {
+            let mut timed = of_package
+                .into_iter()
+                .filter(|program| !is_door(program))
+                .map(|program| timed(program, &[]))
+                .collect::<Result<Vec<_>, _>>()?;
+            timed.retain(|(_, alone)| *alone < LONGEST);
+            timed.sort_by_key(|(_, alone)| *alone);
+            own.insert(package, timed);
+        }
+    }
+    let door = programs.iter().find(is_door).map(|program| timed(program, &DOOR)).transpose()?;
+    Ok(Trial { own, door })
+}
+
+/// Who sees the mutant: `own` or `door` and the test; or `late`, or `missed`.
+fn verdict(place: &Place<'_>, trial: &Trial<'_>, package: &str, mutant: usize) -> Result<String, String> {
+    let mut is_late = false;
+    let own = trial.own.get(package).into_iter().flatten().map(|timed| (timed, "own", &[][..]));
+    for ((program, alone), who, names) in own.chain(trial.door.iter().map(|timed| (timed, "door", &DOOR[..]))) {
+        match program.answer(place, names, mutant, patience(*alone))? {
+            Answer::Passed => {}
+            Answer::Failed(test) => return Ok(format!("{who}\t{} {test}", program.target)),
+            Answer::Late => is_late = true,
+        }
+    }
+    Ok(if is_late { "late\t" } else { "missed\t" }.into())
+}
+
+fn judge(root: &Path, args: &Args) -> Result<(), String> {
+    let drawn = draw(root, args.count, args.seed)?;
+    let line =
+        |k: usize| format!("{k}\t{}:{}\t{}", drawn[k].file, drawn[k].line, drawn[k].what.replace(['\n', '\t'], " "));
+    if args.list {
+        (0..drawn.len()).for_each(|k| println!("{}", line(k)));
+        return Ok(());
+    }
+    let (checkout, target) = (root.join("target/mutants/drawn"), root.join("target/mutants/build"));
+    let roots = CRATES.iter().map(|name| root_file(root, name)).collect::<Result<Vec<_>, _>>()?;
+    checkout::copy(root, &checkout, &drawn.iter().map(|mutant| mutant.file.clone()).chain(roots).collect())?;
+    let beside = root.parent().map(|p| p.join("shared/data")).filter(|p| p.is_dir());
+    let data = std::env::var_os("SINEW_DATA").or_else(|| beside.map(Into::into));
+    let place = Place { checkout: &checkout, target: &target, data };
+    let kept = those_that_compile(root, &place, &drawn)?;
+    println!("{} mutants drawn, {} compile", drawn.len(), kept.len());
+    let programs = programs::build(&place)?;
+    let trial = trial(&place, &programs)?;
+    let path = root.join("target/mutants/drawn.tsv");
+    let failed = |e: std::io::Error| format!("{}: {e}", path.display());
+    let before = fs::read_to_string(&path).unwrap_or_default();
+    let judged: BTreeSet<&str> = before.lines().filter_map(|line| line.rsplitn(3, '\t').nth(2)).collect();
+    let mut file = fs::File::options().create(true).append(true).open(&path).map_err(failed)?;
+    for k in kept {
+        let (line, is_wanted) = (line(k), args.only.contains(&k));
+        if is_wanted || args.only.is_empty() && !judged.contains(line.as_str()) {
+            let verdict = verdict(&place, &trial, crate_of(&drawn[k]), k)?;
+            println!("{line}\t{verdict}");
+            writeln!(file, "{line}\t{verdict}").map_err(failed)?;
+        }
+    }
+    Ok(())
+}
