@@ -2,7 +2,7 @@
 //!
 //! 1. Candidates are found in the code (`candidates.rs`), and drawn with a fixed seed, from each crate in proportion to how many it has.
 //! 2. They are written into a copy (`switches.rs`); those that do not compile are left out and not replaced.
-//! 3. With each, the tests of its own crate run; where they pass, those tests of the program that stand for all at the door ([`DOOR`]). Snapshots always pass. Who does not end in time is not caught.
+//! 3. With each, the tests of its own crate run; with those that are left, the tests of the program that stand for all at the door ([`DOOR`]). Snapshots always pass. Who does not end in time is not caught.
 //!
 //! A line for each is added to `target/mutants/drawn.tsv`; the same command goes on from there.
 
@@ -229,18 +229,17 @@ fn trial<'a>(place: &Place<'_>, programs: &'a [Program]) -> Result<Trial<'a>, St
     Ok(Trial { own, door })
 }
 
-/// Who sees the mutant: `own` or `door` and the test; or `late`, or `missed`.
-fn verdict(place: &Place<'_>, trial: &Trial<'_>, package: &str, mutant: usize) -> Result<String, String> {
-    let mut is_late = false;
-    let own = trial.own.get(package).into_iter().flatten().map(|timed| (timed, "own", &[][..]));
-    for ((program, alone), who, names) in own.chain(trial.door.iter().map(|timed| (timed, "door", &DOOR[..]))) {
+/// Which of some programs sees a mutant, and by which test; `late` where none does and one does not end.
+fn seen_by(place: &Place<'_>, timed: &[(&Program, Duration)], names: &[&str], mutant: usize) -> Result<String, String> {
+    let mut verdict = "missed\t".to_owned();
+    for (program, alone) in timed {
         match program.answer(place, names, mutant, patience(*alone))? {
             Answer::Passed => {}
-            Answer::Failed(test) => return Ok(format!("{who}\t{} {test}", program.target)),
-            Answer::Late => is_late = true,
+            Answer::Failed(test) => return Ok(format!("caught\t{} {test}", program.target)),
+            Answer::Late => verdict = "late\t".into(),
         }
     }
-    Ok(if is_late { "late\t" } else { "missed\t" }.into())
+    Ok(verdict)
 }
 
 fn judge(root: &Path, args: &Args) -> Result<(), String> {
@@ -264,15 +263,57 @@ fn judge(root: &Path, args: &Args) -> Result<(), String> {
     let path = root.join("target/mutants/drawn.tsv");
     let failed = |e: std::io::Error| format!("{}: {e}", path.display());
     let before = fs::read_to_string(&path).unwrap_or_default();
-    let judged: BTreeSet<&str> = before.lines().filter_map(|line| line.rsplitn(3, '\t').nth(2)).collect();
     let mut file = fs::File::options().create(true).append(true).open(&path).map_err(failed)?;
+    // What was judged before: the line with who judged, and what came of it.
+    let mut judged: BTreeMap<String, String> = before.lines().filter_map(parted).collect();
+    let mut judge = |k: usize, who: &str, programs: &[(&Program, Duration)], names: &[&str]| -> Result<bool, String> {
+        let key = format!("{}\t{who}", line(k));
+        if args.only.contains(&k) || args.only.is_empty() && !judged.contains_key(&key) {
+            let verdict = seen_by(&place, programs, names, k)?;
+            println!("{key}\t{verdict}");
+            writeln!(file, "{key}\t{verdict}").map_err(failed)?;
+            judged.insert(key.clone(), verdict);
+        }
+        Ok(judged.get(&key).is_some_and(|verdict| verdict.starts_with("caught")))
+    };
+    let mut left = Vec::new();
     for k in kept {
-        let (line, is_wanted) = (line(k), args.only.contains(&k));
-        if is_wanted || args.only.is_empty() && !judged.contains(line.as_str()) {
-            let verdict = verdict(&place, &trial, crate_of(&drawn[k]), k)?;
-            println!("{line}\t{verdict}");
-            writeln!(file, "{line}\t{verdict}").map_err(failed)?;
+        let own = trial.own.get(crate_of(&drawn[k])).map_or(&[][..], Vec::as_slice);
+        if !judge(k, "own", own, &[])? {
+            left.push(k);
         }
     }
+    println!("{} are left to the door", left.len());
+    for k in left {
+        judge(k, "door", trial.door.as_slice(), &DOOR)?;
+    }
     Ok(())
+}
+
+/// A line of the table of verdicts: what was judged and by whom, and the verdict.
+fn parted(line: &str) -> Option<(String, String)> {
+    let (at, _) = line.match_indices('\t').nth(3)?;
+    Some((line[..at].into(), line[at + 1..].into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_draw_is_of_every_crate_and_the_same_again() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the workspace");
+        let [drawn, again, other] = [1, 1, 2].map(|seed| draw(root, 400, seed).expect("the code is read"));
+        assert!(drawn == again && drawn != other && (400..420).contains(&drawn.len()), "{}", drawn.len());
+        assert_eq!(drawn.iter().map(crate_of).collect::<BTreeSet<_>>(), CRATES.into_iter().collect());
+        let collide = |k: usize| drawn[..k].iter().any(|m| m.file == drawn[k].file && switches::collide(m, &drawn[k]));
+        assert!(!(0..drawn.len()).any(collide));
+    }
+
+    #[test]
+    fn verdicts_are_read_back() {
+        let line = "3\tsrc/a.rs:5\t+ → - in f\town\tcaught\tlib a::tests::b";
+        let expected = ("3\tsrc/a.rs:5\t+ → - in f\town".to_owned(), "caught\tlib a::tests::b".to_owned());
+        assert_eq!(parted(line), Some(expected));
+    }
 }

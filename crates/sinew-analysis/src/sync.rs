@@ -20,15 +20,12 @@ use sinew::observe::cameras::offsets::{self, Sighted};
 use sinew::observe::clocks::clock_search::whole_lags;
 use sinew::observe::clocks::lag_estimate::{CameraClock, CameraLag, LagSearch, camera_clocks};
 use sinew::setup::SetupError;
-use sinew::setup::clocks::are_too_few;
+use sinew::setup::clocks::{Seen, are_too_few, seen, windows};
 use std::ops::Range;
 use std::path::Path;
 
 /// Frames in which whole lags are searched for.
-const SEARCHED: u64 = 1200;
-/// Windows in which the person is followed, and their seconds.
-const WINDOWS: u64 = 15;
-const WINDOW_S: f64 = 2.0;
+const SEARCHED: usize = 1200;
 /// Times that fractions are estimated.
 const ROUNDS: usize = 4;
 /// Frames from which offsets are estimated.
@@ -105,7 +102,7 @@ pub fn synchronise<E: From<Error>>(
     let common = Recording::open(calibration, keypoints, options).is_err().then(|| recording.frames());
     let declared: Vec<ClockLag> = cameras.iter().map(|camera| lag_of(&options.lag, &camera.name)).collect();
     let mut first = vec![];
-    for number in windows(&recording.frames(), 1, SEARCHED).remove(0) {
+    for number in recording.frames().take(SEARCHED) {
         watch()?;
         first.push(recording.people(number).map_err(library)?);
     }
@@ -149,23 +146,12 @@ pub fn synchronise<E: From<Error>>(
             break;
         }
     }
-    let nobody = || SetupError::NoAgreement { cameras: cameras.len(), frames: SEARCHED };
+    let nobody = || SetupError::NoAgreement { cameras: cameras.len(), frames: SEARCHED as u64 };
     best.map(|(_, found)| found).ok_or_else(|| E::from(Error::from(nobody())))
 }
 
 fn is_known(clock: &CameraClock) -> bool {
     clock.lag.sd < UNKNOWN
-}
-
-/// At most `count` windows of some frames, evenly spread; one of all frames where they would touch.
-fn windows(frames: &Range<u64>, count: u64, width: u64) -> Vec<Range<u64>> {
-    let all = frames.end - frames.start;
-    if all <= count * width {
-        return vec![frames.clone()];
-    }
-    let last = all - width;
-    let start = |k: u64| frames.start + if count > 1 { k * last / (count - 1) } else { 0 };
-    (0..count).map(|k| start(k)..start(k) + width).collect()
 }
 
 /// People in windows of the recording: for each, frames with what the cameras show of them.
@@ -175,10 +161,10 @@ fn followed<E: From<Error>>(
     recording: &mut Recording,
     fps: f64,
     mut watch: impl FnMut() -> Result<(), E>,
-) -> Result<Vec<Vec<(u64, Sighted)>>, E> {
+) -> Result<Vec<Seen>, E> {
     let cameras = recording.cameras().to_vec();
     let mut runs = vec![];
-    for window in windows(&recording.frames(), WINDOWS, (WINDOW_S * fps).ceil() as u64) {
+    for window in windows(&recording.frames(), fps) {
         let mut frames = vec![];
         for number in window.clone() {
             watch()?;
@@ -189,7 +175,7 @@ fn followed<E: From<Error>>(
             let config = association::Config::default();
             let roll = Roll::call(recording, window, fps, &config, |_| Ok::<(), sinew::Error>(()));
             let roll = roll.map_err(|error| E::from(error.into()))?;
-            runs.extend((0..roll.people.len()).map(|person| run_of(&roll, person, &frames)));
+            runs.extend((0..roll.people.len()).map(|person| seen(&roll, person, &frames)));
         } else {
             runs.push(alone(&cameras, frames));
         }
@@ -198,7 +184,7 @@ fn followed<E: From<Error>>(
 }
 
 /// The one person of some frames.
-fn alone(cameras: &[Camera], frames: Vec<(u64, Vec<Vec<Person>>)>) -> Vec<(u64, Sighted)> {
+fn alone(cameras: &[Camera], frames: Vec<(u64, Vec<Vec<Person>>)>) -> Seen {
     let mut following = Following::default();
     let found = frames.into_iter().map(|(number, people)| {
         (number, follow(&mut following, cameras, &people, None, &association::Config::default()))
@@ -206,23 +192,8 @@ fn alone(cameras: &[Camera], frames: Vec<(u64, Vec<Vec<Person>>)>) -> Vec<(u64, 
     found.filter(|(_, found)| found.is_present()).map(|(number, found)| (number, found.people)).collect()
 }
 
-/// One of several people in some frames.
-fn run_of(roll: &Roll, person: usize, frames: &[(u64, Vec<Vec<Person>>)]) -> Vec<(u64, Sighted)> {
-    let shown = |(number, people): &(u64, Vec<Vec<Person>>)| {
-        let [own, _] = roll.parted(*number, person, people.clone());
-        let views: Sighted = own.into_iter().map(|view| view.into_iter().next().unwrap_or_default()).collect();
-        views.iter().any(|view| !view.is_empty()).then_some((*number, views))
-    };
-    frames.iter().filter_map(shown).collect()
-}
-
 /// Clocks, and how badly cameras agree: the scatter of keypoints about where the others see them, over how many agree at all.
-fn estimated(
-    cameras: &[Camera],
-    late: &[ClockLag],
-    runs: &[Vec<(u64, Sighted)>],
-    fps: f64,
-) -> Option<(Vec<CameraClock>, f64)> {
+fn estimated(cameras: &[Camera], late: &[ClockLag], runs: &[Seen], fps: f64) -> Option<(Vec<CameraClock>, f64)> {
     let all: Vec<&Sighted> = runs.iter().flatten().map(|(_, sighted)| sighted).collect();
     let stride = all.len().div_ceil(OFFSET_FRAMES).max(1);
     let some: Vec<Sighted> = all.into_iter().step_by(stride).cloned().collect();
@@ -265,13 +236,6 @@ fn clock_of(camera: &Camera, late: ClockLag, (declared, most): (ClockLag, f64), 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn windows_are_spread_from_the_first_frame_to_the_last() {
-        assert_eq!(windows(&(5..300), 3, 100).first(), Some(&(5..300)));
-        assert_eq!(windows(&(5..1005), 3, 100), [5..105, 455..555, 905..1005]);
-        assert_eq!(windows(&(5..1005), 1, 100).first(), Some(&(5..105)));
-    }
 
     #[test]
     fn a_setting_names_cameras_that_are_not_in_step() {

@@ -19,6 +19,7 @@ use crate::{Error, files};
 use sinew_formats::source_text::MAX_TEXT_BYTES;
 use sinew_formats::{Layout, layout, trc};
 use sinew_observe::association::Person;
+use sinew_observe::clocks::lag_estimate::CameraLag;
 use sinew_observe::silhouettes::bit_image::BitImage;
 use sinew_observe::{Camera, Detection, RgbImage};
 use std::ops::Range;
@@ -282,6 +283,10 @@ impl FrameSource for Footage<'_> {
 
     fn shows_one(&self) -> bool {
         self.chosen.is_some()
+    }
+
+    fn lags_of_all(&self) -> Option<&[CameraLag]> {
+        self.chosen.map(|(roll, _)| roll.lags.as_slice())
     }
 
     fn warnings(&self) -> Vec<String> {

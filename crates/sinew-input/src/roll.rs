@@ -8,6 +8,7 @@ use crate::Error;
 use sinew_observe::Camera;
 use sinew_observe::association::identities::Identities;
 use sinew_observe::association::{Config, Person};
+use sinew_observe::clocks::lag_estimate::CameraLag;
 use std::ops::Range;
 
 /// Seconds for which two cameras must see somebody.
@@ -25,7 +26,7 @@ pub struct PersonSeen {
 }
 
 /// Everybody, frame by frame.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Roll {
     /// The first frame.
     pub start: u64,
@@ -33,6 +34,8 @@ pub struct Roll {
     named: Vec<Vec<Vec<Option<usize>>>>,
     /// Everybody who counts, in the order of coming.
     pub people: Vec<PersonSeen>,
+    /// How late each camera is, as everybody shows; empty where that is unknown.
+    pub lags: Vec<CameraLag>,
 }
 
 impl Roll {
@@ -94,7 +97,7 @@ impl Roll {
         for name in named.iter_mut().flatten().flatten() {
             *name = name.and_then(|k| kept[k]);
         }
-        Self { start, named, people }
+        Self { start, named, people, lags: vec![] }
     }
 
     /// The same people without one of the cameras, by its place.
@@ -106,6 +109,9 @@ impl Roll {
         }
         for person in others.people.iter_mut().filter(|person| left_out < person.by_camera.len()) {
             person.by_camera.remove(left_out);
+        }
+        if left_out < others.lags.len() {
+            others.lags.remove(left_out);
         }
         others
     }

@@ -5,6 +5,7 @@ use super::recording::Recording;
 use crate::Error;
 use sinew_formats::Layout;
 use sinew_observe::association::Person;
+use sinew_observe::clocks::lag_estimate::CameraLag;
 use sinew_observe::silhouettes::bit_image::BitImage;
 use sinew_observe::{Camera, RgbImage};
 use std::collections::BTreeMap;
@@ -38,6 +39,11 @@ pub trait FrameSource {
     /// Whether the person to be tracked is the only one whom [`FrameSource::people`] shows.
     fn shows_one(&self) -> bool {
         false
+    }
+
+    /// How late each camera is, as everybody in view shows; `None` where only [`FrameSource::people`] can tell.
+    fn lags_of_all(&self) -> Option<&[CameraLag]> {
+        None
     }
 
     /// The cameras sized like the masks, if there are masks.

@@ -7,6 +7,7 @@ use crate::Error;
 use serde::{Deserialize, Serialize};
 use sinew_formats::Layout;
 use sinew_observe::association::Person;
+use sinew_observe::clocks::lag_estimate::CameraLag;
 use sinew_observe::silhouettes::bit_image::BitImage;
 use sinew_observe::{Camera, RgbImage};
 use std::collections::BTreeSet;
@@ -147,6 +148,9 @@ impl<S: FrameSource> FrameSource for Upright<'_, S> {
     }
     fn shows_one(&self) -> bool {
         self.source.shows_one()
+    }
+    fn lags_of_all(&self) -> Option<&[CameraLag]> {
+        self.source.lags_of_all()
     }
     fn image_cameras(&self) -> Option<Vec<Camera>> {
         self.source.image_cameras().map(|cameras| upright(cameras, &self.up))

@@ -120,6 +120,7 @@ pub fn oddities(
             swapped_px: s.swapped_px,
         }));
     }
-    warnings.extend(unsynchronised(cameras, &request.lag, &lags(cameras, collected, (request.fps, request.offsets))));
+    let own = || lags(cameras, collected, (request.fps, request.offsets));
+    warnings.extend(unsynchronised(cameras, &request.lag, &request.lags_of_all.clone().unwrap_or_else(own)));
     warnings
 }

@@ -17,6 +17,7 @@ use sinew_observe::association::following::{Following, follow};
 use sinew_observe::association::{self, Person};
 use sinew_observe::cameras::cross_view::cameras_behind;
 use sinew_observe::cameras::offsets::{self, Sighted};
+use sinew_observe::clocks::lag_estimate::CameraLag;
 
 /// What to set up, and how.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,6 +38,8 @@ pub struct SetupRequest {
     pub image_scale: f64,
     /// How late cameras are, as declared; the frames are read with it already.
     pub lag: Vec<(String, ClockLag)>,
+    /// How late cameras are, as everybody in view shows; found from the one person if `None`.
+    pub lags_of_all: Option<Vec<CameraLag>>,
     /// Frames per second, by which speeds are judged; nothing is said about them if `None`.
     pub fps: Option<f64>,
     /// Whether sizes and speeds that no person has are taken.
@@ -58,6 +61,7 @@ impl Default for SetupRequest {
             shape_frames: 120,
             image_scale: 1.0,
             lag: vec![],
+            lags_of_all: None,
             fps: None,
             any_size: false,
             association: association::Config::default(),

@@ -41,10 +41,13 @@ pub fn facts(recording: &mut Recording, fps: f64, known: &[String]) -> Result<Fa
         frames.push((number, recording.people(number)?));
     }
     let (image_scale, lag) = (recording.image_scale(), recording.lag().to_vec());
-    let asked = SetupRequest { image_scale, lag, ..SetupRequest::default() };
     let mut facts = Facts::new(format!("fit of calibration and keypoints, frames {}..{}", numbers.start, numbers.end));
     let roll = Roll::call(recording, range, fps, &association::Config::default(), |_| Ok::<(), sinew::Error>(()))?;
     let several = roll.people.len() > 1;
+    let config = offsets::Config::default();
+    let no_stop = || Ok::<(), sinew_input::Error>(());
+    let of_all = several.then(|| clocks::lags_of_all(recording, &roll, (Some(fps), config), no_stop)).transpose()?;
+    let asked = SetupRequest { image_scale, lag, lags_of_all: of_all.clone(), ..SetupRequest::default() };
     let who = if several { most_seen(&roll, numbers.end) } else { 0 };
     if several {
         for (number, people) in &mut frames {
@@ -67,9 +70,11 @@ pub fn facts(recording: &mut Recording, fps: f64, known: &[String]) -> Result<Fa
     let name = if several { format!("of person {}", who + 1) } else { "person".to_owned() };
     facts.row(name, format!("found in {} of {} frames", collected.found, collected.read));
     let sighted: Vec<Sighted> = collected.window.iter().map(|(_, sighted)| sighted.clone()).collect();
-    let config = offsets::Config::default();
     let noise = offsets::estimate(&cameras, &sighted, &config);
-    let lags = clocks::lags(&cameras, &collected, (None, config));
+    let lags = match &of_all {
+        Some(lags) => lags.clone(),
+        None => clocks::lags(&cameras, &collected, (Some(fps), config)),
+    };
     let rms = reprojection_rms(&cameras, &sighted, config.least_confidence);
     for (index, camera) in cameras.iter().enumerate() {
         let lag = lags.get(index).filter(|lag| lag.sd < UNKNOWN_LAG);

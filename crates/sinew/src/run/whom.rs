@@ -12,6 +12,8 @@ use crate::input::footage::Footage;
 use crate::input::roll::{LEAST_S, Roll};
 use crate::input::source::FrameSource as _;
 use crate::observe::association;
+use crate::observe::cameras::offsets;
+use crate::setup::clocks::lags_of_all;
 use sinew_results::Claim;
 use std::ops::Range;
 use std::path::Path;
@@ -54,8 +56,12 @@ pub fn looked_for(
     // Mistakes in the settings are said before what is in the folder.
     setup_frames(&config, &recording)?;
     let claim = claimed()?;
-    let roll = called(&mut recording, config.fps(), listener)?;
+    let mut roll = called(&mut recording, config.fps(), listener)?;
     let found = roll.people.len();
+    if found > 1 {
+        let how = (Some(config.fps()), offsets::Config::default());
+        roll.lags = lags_of_all(&mut recording, &roll, how, || go_on(listener))?;
+    }
     match config.person {
         None if found > 1 => Ok((claim, Whom::Everybody(roll))),
         Some(chosen) if chosen > found && found > 0 => Err(Error::NoSuchPerson { chosen, found }),
@@ -68,16 +74,19 @@ pub fn looked_for(
 fn called(recording: &mut Footage<'_>, fps: f64, listener: &dyn Listener) -> Result<Roll, Error> {
     let frames = recording.frames();
     let mut counter = listener.counter("who is there", "frames", frames.end - frames.start);
-    let stop = listener.stop();
     let roll = Roll::call(recording, frames.clone(), fps, &association::Config::default(), |done| {
         counter.at(done);
-        if stop.load(Ordering::Relaxed) {
-            return Err(crate::Error::Interrupted("while people were looked for; nothing was written".into()));
-        }
-        Ok(())
+        go_on(listener)
     })?;
     counter.at(frames.end - frames.start);
     Ok(roll)
+}
+
+fn go_on(listener: &dyn Listener) -> Result<(), Error> {
+    match listener.stop().load(Ordering::Relaxed) {
+        true => Err(Error::Interrupted("while people were looked for; nothing was written".into())),
+        false => Ok(()),
+    }
 }
 
 /// Why nobody but one person is looked for; `None` where everybody can be named.

@@ -183,6 +183,7 @@ fn set_up<S: FrameSource>(
         person: place_at_start(config, source),
         image_scale: config.recording.image_scale,
         lag: config.recording.lag.clone(),
+        lags_of_all: source.lags_of_all().map(<[_]>::to_vec),
         fps: Some(settings.fps),
         any_size: config.any_size,
         ..SetupRequest::default()
