@@ -12,7 +12,7 @@ mod switches;
 
 use crate::checkout;
 use candidates::Mutant;
-use programs::{Answer, Place, Program, by_package, patience};
+use programs::{Answer, Place, Program, patience};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::Write as _;
@@ -41,7 +41,16 @@ const CRATES: [&str; 16] = [
 ];
 
 /// Tests of the program whose expected numbers come from elsewhere, or which hold what it promises of files; a minute together.
-const DOOR: [&str; 6] = ["known_", "files_of_others", "result_folder", "motion_files", "calibrations", "gait"];
+const DOOR: [&str; 8] = [
+    "known_files",
+    "known_camera",
+    "result_folder",
+    "gait",
+    "motion_files",
+    "calibrations",
+    "files_of_others",
+    "known_world",
+];
 
 /// Longest time of a test program that is run for each mutant of its crate.
 const LONGEST: Duration = Duration::from_secs(90);
@@ -192,47 +201,41 @@ fn those_that_compile(root: &Path, place: &Place<'_>, drawn: &[Mutant]) -> Resul
     }
 }
 
-/// Test programs with the names of tests to run, and the time that they take without a mutant.
-struct Trial<'a> {
-    own: BTreeMap<&'a str, Vec<(&'a Program, Duration)>>,
-    door: Option<(&'a Program, Duration)>,
+/// Tests of a program whose names contain one text, and the time that they take without a mutant.
+struct Timed<'a> {
+    program: &'a Program,
+    names: &'a [&'a str],
+    alone: Duration,
 }
 
-/// Runs every program once without a mutant.
-fn trial<'a>(place: &Place<'_>, programs: &'a [Program]) -> Result<Trial<'a>, String> {
-    let none = usize::MAX;
-    let timed = |program: &'a Program, names: &[&str]| -> Result<(&'a Program, Duration), String> {
-        let started = Instant::now();
-        match program.answer(place, names, none, Duration::from_secs(1200))? {
-            Answer::Passed => Ok((program, started.elapsed())),
-            Answer::Failed(test) => {
-                Err(format!("{} {} fails without a mutant: {test}", program.package, program.target))
-            }
-            Answer::Late => Err(format!("{} {} does not end", program.package, program.target)),
-        }
-    };
-    let is_door = |program: &&Program| program.package == "sinew-cli" && program.target == "program";
-    let mut own = BTreeMap::<_, Vec<_>>::new();
-    for (package, of_package) in by_package(programs) {
-        if CRATES.contains(&package) {
-            let mut timed = of_package
-                .into_iter()
-                .filter(|program| !is_door(program))
-                .map(|program| timed(program, &[]))
-                .collect::<Result<Vec<_>, _>>()?;
-            timed.retain(|(_, alone)| *alone < LONGEST);
-            timed.sort_by_key(|(_, alone)| *alone);
-            own.insert(package, timed);
-        }
+/// Runs tests without a mutant.
+fn timed<'a>(place: &Place<'_>, program: &'a Program, names: &'a [&'a str]) -> Result<Timed<'a>, String> {
+    let started = Instant::now();
+    let what = || format!("{} {} {}", program.package, program.target, names.join(" "));
+    match program.answer(place, names, usize::MAX, Duration::from_secs(1200))? {
+        Answer::Passed => Ok(Timed { program, names, alone: started.elapsed() }),
+        Answer::Failed(test) => Err(format!("{} fails without a mutant: {test}", what())),
+        Answer::Late => Err(format!("{} does not end", what())),
     }
-    let door = programs.iter().find(is_door).map(|program| timed(program, &DOOR)).transpose()?;
-    Ok(Trial { own, door })
 }
 
-/// Which of some programs sees a mutant, and by which test; `late` where none does and one does not end.
-fn seen_by(place: &Place<'_>, timed: &[(&Program, Duration)], names: &[&str], mutant: usize) -> Result<String, String> {
+fn is_door(program: &Program) -> bool {
+    program.package == "sinew-cli" && program.target == "program"
+}
+
+/// The tests of a crate, the quickest program first.
+fn own<'a>(place: &Place<'_>, programs: &'a [Program], package: &str) -> Result<Vec<Timed<'a>>, String> {
+    let of_package = programs.iter().filter(|program| program.package == package && !is_door(program));
+    let mut own = of_package.map(|program| timed(place, program, &[])).collect::<Result<Vec<_>, _>>()?;
+    own.retain(|timed| timed.alone < LONGEST);
+    own.sort_by_key(|timed| timed.alone);
+    Ok(own)
+}
+
+/// Which tests see a mutant; `late` where none does and some do not end.
+fn seen_by(place: &Place<'_>, tests: &[Timed<'_>], mutant: usize) -> Result<String, String> {
     let mut verdict = "missed\t".to_owned();
-    for (program, alone) in timed {
+    for Timed { program, names, alone } in tests {
         match program.answer(place, names, mutant, patience(*alone))? {
             Answer::Passed => {}
             Answer::Failed(test) => return Ok(format!("caught\t{} {test}", program.target)),
@@ -259,35 +262,70 @@ fn judge(root: &Path, args: &Args) -> Result<(), String> {
     let kept = those_that_compile(root, &place, &drawn)?;
     println!("{} mutants drawn, {} compile", drawn.len(), kept.len());
     let programs = programs::build(&place)?;
-    let trial = trial(&place, &programs)?;
-    let path = root.join("target/mutants/drawn.tsv");
-    let failed = |e: std::io::Error| format!("{}: {e}", path.display());
-    let before = fs::read_to_string(&path).unwrap_or_default();
-    let mut file = fs::File::options().create(true).append(true).open(&path).map_err(failed)?;
-    // What was judged before: the line with who judged, and what came of it.
-    let mut judged: BTreeMap<String, String> = before.lines().filter_map(parted).collect();
-    let mut judge = |k: usize, who: &str, programs: &[(&Program, Duration)], names: &[&str]| -> Result<bool, String> {
-        let key = format!("{}\t{who}", line(k));
-        if args.only.contains(&k) || args.only.is_empty() && !judged.contains_key(&key) {
-            let verdict = seen_by(&place, programs, names, k)?;
-            println!("{key}\t{verdict}");
-            writeln!(file, "{key}\t{verdict}").map_err(failed)?;
-            judged.insert(key.clone(), verdict);
-        }
-        Ok(judged.get(&key).is_some_and(|verdict| verdict.starts_with("caught")))
-    };
+    let mut record = Record::open(&root.join("target/mutants/drawn.tsv"), &args.only)?;
+    let mut of_crates = BTreeMap::<&str, Vec<Timed<'_>>>::new();
     let mut left = Vec::new();
     for k in kept {
-        let own = trial.own.get(crate_of(&drawn[k])).map_or(&[][..], Vec::as_slice);
-        if !judge(k, "own", own, &[])? {
+        let (key, name) = (format!("{}\town", line(k)), crate_of(&drawn[k]));
+        if record.lacks(&key, k) {
+            if !of_crates.contains_key(name) {
+                of_crates.insert(name, own(&place, &programs, name)?);
+            }
+            record.add(&key, seen_by(&place, &of_crates[name], k)?)?;
+        }
+        if !record.says_caught(&key) {
             left.push(k);
         }
     }
     println!("{} are left to the door", left.len());
+    // In random order, so that those judged so far are a sample.
+    let mut state = args.seed;
+    left.sort_by_cached_key(|_| next(&mut state));
+    let mut door = Vec::new();
     for k in left {
-        judge(k, "door", trial.door.as_slice(), &DOOR)?;
+        let key = format!("{}\tdoor", line(k));
+        if record.lacks(&key, k) {
+            if door.is_empty() {
+                let program = programs.iter().find(|program| is_door(program)).ok_or("there is no door")?;
+                let timed = DOOR.iter().map(|name| timed(&place, program, std::slice::from_ref(name)));
+                door = timed.collect::<Result<Vec<_>, _>>()?;
+            }
+            record.add(&key, seen_by(&place, &door, k)?)?;
+        }
     }
     Ok(())
+}
+
+/// The table of verdicts: what was judged and by whom, and what came of it.
+struct Record<'a> {
+    path: PathBuf,
+    file: fs::File,
+    judged: BTreeMap<String, String>,
+    only: &'a [usize],
+}
+
+impl<'a> Record<'a> {
+    fn open(path: &Path, only: &'a [usize]) -> Result<Self, String> {
+        let before = fs::read_to_string(path).unwrap_or_default();
+        let file = fs::File::options().create(true).append(true).open(path);
+        let file = file.map_err(|e| format!("{}: {e}", path.display()))?;
+        Ok(Self { path: path.into(), file, judged: before.lines().filter_map(parted).collect(), only })
+    }
+
+    fn lacks(&self, key: &str, mutant: usize) -> bool {
+        self.only.contains(&mutant) || self.only.is_empty() && !self.judged.contains_key(key)
+    }
+
+    fn add(&mut self, key: &str, verdict: String) -> Result<(), String> {
+        println!("{key}\t{verdict}");
+        writeln!(self.file, "{key}\t{verdict}").map_err(|e| format!("{}: {e}", self.path.display()))?;
+        self.judged.insert(key.into(), verdict);
+        Ok(())
+    }
+
+    fn says_caught(&self, key: &str) -> bool {
+        self.judged.get(key).is_some_and(|verdict| verdict.starts_with("caught"))
+    }
 }
 
 /// A line of the table of verdicts: what was judged and by whom, and the verdict.
@@ -301,10 +339,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_draw_is_of_every_crate_and_the_same_again() {
+    fn a_draw_is_of_every_crate_and_none_collides() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the workspace");
-        let [drawn, again, other] = [1, 1, 2].map(|seed| draw(root, 400, seed).expect("the code is read"));
-        assert!(drawn == again && drawn != other && (400..420).contains(&drawn.len()), "{}", drawn.len());
+        let [drawn, other] = [1, 2].map(|seed| draw(root, 400, seed).expect("the code is read"));
+        assert!(drawn != other && (400..420).contains(&drawn.len()), "{}", drawn.len());
         assert_eq!(drawn.iter().map(crate_of).collect::<BTreeSet<_>>(), CRATES.into_iter().collect());
         let collide = |k: usize| drawn[..k].iter().any(|m| m.file == drawn[k].file && switches::collide(m, &drawn[k]));
         assert!(!(0..drawn.len()).any(collide));

@@ -2,7 +2,6 @@
 
 use super::switches::VARIABLE;
 use serde_json::Value;
-use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -140,13 +139,4 @@ impl Program {
 /// Longest time that a program may take with a mutant: of one that ends, it is no test of what it computes.
 pub fn patience(alone: Duration) -> Duration {
     Duration::from_secs(20) + 5 * alone
-}
-
-/// Programs by their packages.
-pub fn by_package(programs: &[Program]) -> BTreeMap<&str, Vec<&Program>> {
-    let mut packages = BTreeMap::<_, Vec<_>>::new();
-    for program in programs {
-        packages.entry(program.package.as_str()).or_default().push(program);
-    }
-    packages
 }
