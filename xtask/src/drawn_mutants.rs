@@ -177,8 +177,12 @@ fn write(
 }
 
 /// The mutants that compile, written into the copy.
-fn those_that_compile(root: &Path, place: &Place<'_>, drawn: &[Mutant]) -> Result<BTreeSet<usize>, String> {
-    let mut kept: BTreeSet<usize> = (0..drawn.len()).collect();
+fn those_that_compile(
+    root: &Path,
+    place: &Place<'_>,
+    drawn: &[Mutant],
+    mut kept: BTreeSet<usize>,
+) -> Result<BTreeSet<usize>, String> {
     loop {
         let written = write(root, place.checkout, drawn, &kept)?;
         let faults = programs::faults(place)?;
@@ -193,7 +197,6 @@ fn those_that_compile(root: &Path, place: &Place<'_>, drawn: &[Mutant]) -> Resul
                 kept.remove(number);
             }
         }
-        eprintln!("{} mutants do not compile", before - kept.len());
         if kept.len() == before {
             let Some(first) = faults.first() else { continue };
             return Err(format!("{}:{}: {}", first.file, first.line, first.said));
@@ -259,10 +262,15 @@ fn judge(root: &Path, args: &Args) -> Result<(), String> {
     let beside = root.parent().map(|p| p.join("shared/data")).filter(|p| p.is_dir());
     let data = std::env::var_os("SINEW_DATA").or_else(|| beside.map(Into::into));
     let place = Place { checkout: &checkout, target: &target, data };
-    let kept = those_that_compile(root, &place, &drawn)?;
+    let mut record = Record::open(&root.join("target/mutants/drawn.tsv"), &args.only)?;
+    let built = |k: usize| format!("{}\tbuild", line(k));
+    let tried: BTreeSet<usize> = (0..drawn.len()).filter(|k| !record.judged.contains_key(&built(*k))).collect();
+    let kept = those_that_compile(root, &place, &drawn, tried.clone())?;
+    for k in tried.difference(&kept) {
+        record.add(&built(*k), "does not compile\t".into())?;
+    }
     println!("{} mutants drawn, {} compile", drawn.len(), kept.len());
     let programs = programs::build(&place)?;
-    let mut record = Record::open(&root.join("target/mutants/drawn.tsv"), &args.only)?;
     let mut of_crates = BTreeMap::<&str, Vec<Timed<'_>>>::new();
     let mut left = Vec::new();
     for k in kept {
