@@ -9,6 +9,7 @@ import isb  # noqa: F401
 import ledger
 import motion  # noqa: F401
 import overall  # noqa: F401
+import particles  # noqa: F401
 import report  # noqa: F401
 import visibility  # noqa: F401
 import weighted  # noqa: F401

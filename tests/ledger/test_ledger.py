@@ -9,6 +9,7 @@ import ledger
 import motion  # noqa: F401
 import overall  # noqa: F401
 import page
+import particles  # noqa: F401
 import pytest
 import report  # noqa: F401
 import results
@@ -23,14 +24,14 @@ FIRST, LAST = 3, 15
 
 @pytest.fixture(scope="session")
 def runs(call, walk, tmp_path_factory):
-    """Five runs of one walk: filtered, smoothed, and with a set-up in which nothing lasts filtered by chains, by particles that are weighed, and by chains with the angles of the ISB. In one frame one camera sees the person."""
+    """Seven runs of one walk: filtered, smoothed, and with a set-up in which nothing lasts filtered by chains, by particles that are weighed, by chains with the angles of the ISB, and on masks by a search and a bootstrap filter. In one frame one camera sees the person."""
     folder = tmp_path_factory.mktemp("ledger")
     shutil.copytree(walk / "keypoints", folder / "keypoints")
     shutil.copy(walk / "Calib.toml", folder)
     for camera in ("C2", "C3", "C4"):
         (folder / f"keypoints/{camera}_json/{camera}.0010.json").write_text(json.dumps({"version": 1.3, "people": []}))
-    every = ["track", "--calibration", "Calib.toml", "--keypoints", "keypoints", "--layout", "BODY_25B"]
-    every += ["--frames", f"{FIRST}..{LAST}", "--patience", 1, "--seed", 1]
+    common = ["track", "--calibration", "Calib.toml", "--frames", f"{FIRST}..{LAST}", "--seed", 1]
+    every = [*common, "--keypoints", "keypoints", "--layout", "BODY_25B", "--patience", 1]
     # All draws are kept, so that what is said of them can be computed from them again.
     all_draws = ["--draws", 16 * 25]
     said = {"filtered": call(folder, *every, "--fps", FPS, *all_draws, "-o", "filtered")}
@@ -40,6 +41,10 @@ def runs(call, walk, tmp_path_factory):
     said["weighted"] = call(folder, *every, "--fps", FPS, "--method", "guided", "--draws", 1000, "--setup", "plain.toml", "-o", "weighted")
     said["plain"] = call(folder, *every, "--fps", FPS, *all_draws, "--setup", "plain.toml", "-o", "plain")
     said["isb"] = call(folder, *every, "--fps", FPS, *all_draws, "--angles", "isb", "--setup", "plain.toml", "-o", "isb")
+    # Of few particles on masks, so many draws that each is among them; by a flat score the bootstrap filter keeps many.
+    on_masks = [*common, "--silhouettes", walk / "masks", "--init", walk / "truth.trc", "--fps", FPS, "--particles", 200, "--draws", 2000, "--setup", "plain.toml"]
+    said["searched"] = call(folder, *on_masks, "--method", "hppf", "-o", "searched")
+    said["bootstrap"] = call(folder, *on_masks, "--method", "bootstrap", "--kappa", 1, "-o", "bootstrap")
     numbers = list(range(FIRST, LAST))
     for name in said:
         call(folder, "report", name)

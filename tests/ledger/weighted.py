@@ -36,24 +36,32 @@ def joints_of_weighted_particles(results):
     agree(*(columns(results, "joints.csv", "joint", what) for what in ("mean", "sd", "q05", "q95")), draws, METRES, "joints")
 
 
-@known("state.csv", "name", "unit", "mean", "q05", "q95", source=SOURCE, runs=RUNS)
-def state_of_weighted_particles(results):
+def named_state(results):
+    """Draws of the state as `state.csv` shows it, draws × frames × degrees of freedom, whose names and units are those of the table."""
     draws, names = state_draws(results)
     table = results.tables["state.csv"]
     assert list(table.name) == names * results.frames
     assert list(table.unit) == ["m" if ".t" in name else "deg" for name in names] * results.frames
+    return np.stack([shown(names, draw) for draw in draws])
+
+
+@known("state.csv", "name", "unit", "mean", "q05", "q95", source=SOURCE, runs=RUNS)
+def state_of_weighted_particles(results):
     mean, low, high = (results.of("state.csv", what, "name")[0] for what in ("mean", "q05", "q95"))
-    agree(mean, None, low, high, np.stack([shown(names, draw) for draw in draws]), DEGREES, "state")
+    agree(mean, None, low, high, named_state(results), DEGREES, "state")
+
+
+def named_angles(results, draws, names):
+    """Angles of draws of the state, draws × frames × angles, whose names are those of `angles.csv`, and the names."""
+    expected = joint_angles(names, draws)
+    found = results.of("angles.csv", "mean_deg", "name")[1]
+    assert sorted(found) == sorted(expected) and list(results.tables["angles.csv"].name) == found * results.frames
+    return np.stack([expected[name] for name in found], -1), found
 
 
 @known("angles.csv", "name", "mean_deg", "q05_deg", "q95_deg", source=SOURCE, runs=RUNS)
 def angles_of_weighted_particles(results):
-    draws, names = state_draws(results)
-    expected = joint_angles(names, draws)
-    found = results.of("angles.csv", "mean_deg", "name")[1]
-    table = results.tables["angles.csv"]
-    assert sorted(found) == sorted(expected) and list(table.name) == found * results.frames
-    series = np.stack([expected[name] for name in found], -1)
+    series, _ = named_angles(results, *state_draws(results))
     mean, low, high = (results.of("angles.csv", f"{what}_deg", "name")[0] for what in ("mean", "q05", "q95"))
     series = mean + (series - mean + 180) % 360 - 180
     agree(mean, None, low, high, series, DEGREES, "angles")
