@@ -5,6 +5,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 import frames  # noqa: F401
+import inspected  # noqa: F401
 import isb  # noqa: F401
 import ledger
 import motion  # noqa: F401

@@ -4,12 +4,14 @@ import io
 import json
 import re
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
+import facts
 import numpy as np
 import pandas as pd
 import zarr
+from cameras import Sights
 from report_html import curves, numbers_of_page
 
 TABLES = ("joints.csv", "keypoints.csv", "angles.csv", "state.csv", "frames.csv", "markers_sd.csv")
@@ -28,6 +30,9 @@ class Results:
     cameras: dict
     fps: float
     numbers: list[int]
+    shapes: dict[str, tuple[int, ...]]
+    sights: Sights | None = None
+    once: dict = field(default_factory=dict)
 
     @property
     def frames(self):
@@ -40,8 +45,8 @@ class Results:
         return table[column].to_numpy().reshape(self.frames, -1), list(table[row].iloc[: len(table) // self.frames])
 
 
-def read(folder: Path, calibration: Path, said: str, fps: float, numbers: list[int]) -> Results:
-    """Reads the files of a run of these frames that said `said` on its way."""
+def read(folder: Path, calibration: Path, said: str, fps: float, numbers: list[int], inspected: str = "", sights: Sights | None = None) -> Results:
+    """Reads the files of a run of these frames that said `said` on its way; `inspected` is what `sinew inspect` says of them, `sights` are the keypoints."""
     tables = {name: pd.read_csv(folder / name) for name in TABLES if (folder / name).exists()}
     tables["angles.mot"] = pd.read_csv(folder / "angles.mot", sep="\t", skiprows=7)
     tables["markers.trc"] = read_trc(folder / "markers.trc")
@@ -53,7 +58,8 @@ def read(folder: Path, calibration: Path, said: str, fps: float, numbers: list[i
         html = (folder / "report.html").read_text()
         tables["report.html"] = pd.DataFrame([numbers_of_page(html)])
         tables["report.html curves"] = curves(html)
-    groups = {name: zarr.open_group(folder / "posterior.zarr" / name, mode="r") for name in ("posterior", "sample_stats", "observed_data")}
+    tables |= facts.tables(inspected)
+    groups = {name: zarr.open_group(folder / "posterior.zarr" / name, mode="r") for name in ("posterior", "sample_stats", "observed_data", "constant_data")}
     arrays = {name: {key: array[:] for key, array in group.arrays()} for name, group in groups.items()}
     return Results(
         tables,
@@ -65,6 +71,8 @@ def read(folder: Path, calibration: Path, said: str, fps: float, numbers: list[i
         tomllib.loads(calibration.read_text()),
         fps,
         numbers,
+        {f"{name}/{key}": array.shape for name, group in arrays.items() for key, array in group.items()},
+        sights,
     )
 
 

@@ -3,8 +3,11 @@
 import json
 import shutil
 
+import cameras
 import frames
+import inspected
 import isb  # noqa: F401
+import laws
 import ledger
 import motion  # noqa: F401
 import overall  # noqa: F401
@@ -49,7 +52,10 @@ def runs(call, walk, tmp_path_factory):
     for name in said:
         call(folder, "report", name)
     rates = {name: BROADCAST_FPS if name == "smoothed" else FPS for name in said}
-    return {name: results.read(folder / name, folder / "Calib.toml", text, rates[name], numbers) for name, text in said.items()}
+    recording = ["Calib.toml", "keypoints", "--layout", "BODY_25B", "--frames", f"{FIRST}..{LAST}", "--fps", FPS]
+    looked_at = {name: call(folder, "inspect", name, *(f"{name}/{file}" for file in inspected.FILES), *(recording if name == "filtered" else [])) for name in inspected.RUNS}
+    sights = cameras.Sights.of(laws.read(folder, FPS), numbers)
+    return {name: results.read(folder / name, folder / "Calib.toml", text, rates[name], numbers, looked_at.get(name, ""), sights) for name, text in said.items()}
 
 
 @pytest.mark.parametrize("check", ledger.CHECKS, ids=lambda check: check.run.__name__)

@@ -2,6 +2,7 @@
 
 import json
 
+import facts
 import numpy as np
 import pandas as pd
 import pytest
@@ -41,3 +42,16 @@ def test_a_row_is_what_the_files_of_the_person_say(crowd):
         places.append(own.draws["marker_position"][0].mean((0, 1, 2)))
     # They are two people: a step apart at least in the mean of all points and frames.
     assert np.linalg.norm(places[0] - places[1]) > 0.3
+
+
+def test_inspect_says_who_was_seen(call, crowd):
+    table = pd.read_csv(crowd / "out/people.csv")
+    said = facts.tables(call(crowd, "inspect", "out"))["inspect results"].iloc[0]
+    assert said["title.0"] == len(table)
+    for row in table.itertuples():
+        frames = [row.first_frame, row.last_frame + 1]
+        cameras = [count for name, count in row._asdict().items() if name.startswith("seen_frames_") and count > 0]
+        expected = [*frames, (frames[1] - frames[0]) / FPS, row.seen_frames, row.seen_frames / FPS, *cameras]
+        found = [said[f"person {row.person}.{k}"] for k in range(len(expected))]
+        assert np.allclose(found, np.round(expected, 1)), (found, expected)
+        assert f"person {row.person}.{len(expected)}" not in said
