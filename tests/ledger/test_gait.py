@@ -14,6 +14,7 @@ import zarr
 RATE_HZ, SECONDS, DRAWS, WALKS = 60.0, 5.0, 64, 40
 STRIDE_S, STRIDE_M, STANCE, STEP_WIDTH_M, FOOT_M = 1.1, 1.3, 0.62, 0.12, 0.18
 ERROR_M, ERROR_S, SHIFT_M = 0.006, 0.05, 0.02
+BELOW_DEG, ABOVE_DEG = 3.0, 4.5
 POINTS = ["LHip", "RHip", "LHeel", "RHeel", "LBigToe", "RBigToe"]
 SPEED = STRIDE_M / STRIDE_S
 
@@ -72,6 +73,8 @@ def write(folder, rng, times):
     knee = knee_deg(times)
     rows = "\n".join(f"{t}\t{a}" for t, a in zip(times, knee))
     (folder / "angles.mot").write_text(f"Coordinates\nversion=1\nnRows={len(times)}\nnColumns=2\ninDegrees=yes\n\nendheader\ntime\tknee_angle_r\n{rows}\n")
+    ends = {"name": "knee_angle_r", "mean_deg": knee, "q05_deg": knee - BELOW_DEG, "q95_deg": knee + ABOVE_DEG}
+    pd.DataFrame({"frame": numbers, "time_s": times} | ends).to_csv(folder / "angles.csv", index=False)
     array = zarr.create_array(str(folder / "posterior.zarr/posterior/marker_position"), shape=(1, *draws.shape), chunks=(1, DRAWS, 64, len(POINTS), 3), dtype="float32", compressors=None, chunk_key_encoding={"name": "default", "separator": "."})
     array[:] = draws[None]
 
@@ -163,3 +166,5 @@ def test_cycles_are_the_angle_over_the_cycle(walks):
         cycles = knee_deg(strikes[:-1] + share_ * np.diff(strikes))
         assert np.allclose(own.mean_deg, cycles.mean(1), atol=0.2)
         assert np.allclose(own.sd_deg, cycles.std(1, ddof=1), atol=0.2)
+        assert np.allclose(own.mean_deg - own.q05_deg, BELOW_DEG, atol=1e-4)
+        assert np.allclose(own.q95_deg - own.mean_deg, ABOVE_DEG, atol=1e-4)

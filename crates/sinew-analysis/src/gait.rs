@@ -123,3 +123,24 @@ pub fn gait_files(gait: &GaitAnalysis, title: &str) -> Result<[(&'static str, St
     let mut texts = texts.into_iter();
     Ok(GAIT_NAMES.map(|name| (name, texts.next().unwrap_or_default())))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use sinew::setup::{MeasuredErrors, SetupRequest, unmeasured};
+
+    /// The correlation exp(−|t|/τ) has the integral 2 τ.
+    #[test]
+    fn errors_are_independent_after_the_integral_of_their_correlation() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(apart_s(folder.path()).unwrap(), 0.0);
+        let layout = sinew::formats::layout::find("body-25b").unwrap();
+        let mut setup = unmeasured(&layout, &SetupRequest::default(), vec![]);
+        setup.start_pose = vec![0.0; setup.tree().dof()];
+        for (lasting, expected) in [(None, 0.0), (Some(0.35), 0.7)] {
+            setup.lasting = lasting.map(|persistence_s| MeasuredErrors { persistence_s, ..MeasuredErrors::default() });
+            std::fs::write(folder.path().join("setup.toml"), setup.to_toml().unwrap()).unwrap();
+            assert_eq!(apart_s(folder.path()).unwrap(), expected);
+        }
+    }
+}

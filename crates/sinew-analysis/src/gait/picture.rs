@@ -206,6 +206,62 @@ mod tests {
         }
     }
 
+    /// Values of an attribute of all elements of a kind, in their order.
+    fn attributes<'a>(svg: &'a str, element: &str, name: &str) -> Vec<&'a str> {
+        let value =
+            |element: &'a str| element.split_once(&format!(" {name}=\""))?.1.split_once('"').map(|(value, _)| value);
+        svg.split(&format!("<{element}")).skip(1).map(|own| value(own.split('>').next().unwrap()).unwrap()).collect()
+    }
+
+    /// Where a text stands.
+    fn label(svg: &str, text: &str) -> [f64; 2] {
+        let own = svg
+            .split("<text")
+            .find(|own| own.split_once('>').is_some_and(|(_, rest)| rest.starts_with(&format!("{text}<"))));
+        ["x", "y"].map(|name| attributes(&format!("<text{}", own.unwrap()), "text", name)[0].parse().unwrap())
+    }
+
+    fn points(text: &str) -> Vec<[f64; 2]> {
+        let point = |text: &str| text.split_once(',').map(|(x, y)| [x, y].map(|number| number.parse().unwrap()));
+        text.split(' ').filter_map(point).collect()
+    }
+
+    /// Curves and bands against the numbers at the axes: 0° at the beginning, two standard deviations above and below.
+    #[test]
+    fn curves_lie_where_the_axes_say() {
+        let svg = gait_picture("walk", &gait());
+        let curves: Vec<_> = attributes(&svg, "polyline", "points").into_iter().map(points).collect();
+        let bands: Vec<_> = attributes(&svg, "polygon", "points").into_iter().map(points).collect();
+        // Degrees come before shares of the cycle.
+        let (_, panel) = svg.split_once("knee, flexion").unwrap();
+        let [_, zero_y] = label(panel, "0");
+        let [_, twenty_y] = label(panel, "20");
+        let degree = (zero_y - twenty_y) / 20.0;
+        for (curve, band) in curves.iter().zip(&bands) {
+            assert_eq!((curve.len(), band.len()), (PLACES, 2 * PLACES));
+            for percent in [0_usize, 40, 80, 100] {
+                let expected = (percent as f64 / 16.0).sin() * 30.0;
+                let [x, y] = curve[percent];
+                assert!((y - (zero_y - 4.0 - degree * expected)).abs() < 0.2, "{percent}: {y}");
+                let from_left = (x - curve[0][0]) / (curve[100][0] - curve[0][0]);
+                assert!((from_left - percent as f64 / 100.0).abs() < 1e-3, "{percent}: {x}");
+            }
+        }
+        for (side, sd) in [(0, 0.0), (1, 2.0)] {
+            let (curve, band) = (&curves[side], &bands[side]);
+            for place in [0, 33] {
+                let [below, above] = [band[place], band[2 * PLACES - 1 - place]].map(|[_, y]| y - curve[place][1]);
+                assert!((below - sd * degree).abs() < 0.2 && (above + sd * degree).abs() < 0.2, "{below} {above}");
+            }
+        }
+        let [forty_x, _] = label(panel, "40");
+        assert!((forty_x - curves[0][40][0]).abs() < 0.1, "{forty_x}");
+        let [width, height] = ["width", "height"].map(|name| attributes(&svg, "svg", name)[0].parse::<f64>().unwrap());
+        let all = curves.iter().chain(&bands).flatten();
+        assert!(all.clone().all(|[x, y]| (0.0..width).contains(x) && (0.0..height).contains(y)), "{width} × {height}");
+        assert!(label(panel, "% of the cycle")[1] < height);
+    }
+
     #[test]
     fn both_sides_of_an_angle_share_a_panel_and_nothing_leaves_the_picture() {
         let svg = gait_picture("walk <1>", &gait());

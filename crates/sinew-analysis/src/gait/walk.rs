@@ -191,3 +191,32 @@ fn finite(folder: &Path, name: &str, numbers: &[f64], path: Path3) -> Result<Pat
         None => Ok(path),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of two draws, three frames and two points: a number says which, and along which axis.
+    #[test]
+    fn a_path_is_taken_from_the_draws_of_its_point() {
+        let number = |draw: usize, frame: usize, point: usize, axis: usize| {
+            (1000 * draw + 100 * frame + 10 * point + axis) as f64
+        };
+        let mut values = vec![];
+        for draw in 0..2 {
+            for frame in 0..3 {
+                (0..2).for_each(|point| values.extend([0, 1, 2].map(|axis| number(draw, frame, point, axis))));
+            }
+        }
+        let draws = NumberArray { shape: vec![1, 2, 3, 2, 3], values };
+        let path = Path3::new(&[vec![0.0; 3], vec![0.0; 3], vec![0.0; 3]], 1, Some(&draws));
+        for frame in 0..3 {
+            assert_eq!(path.mean[frame], [0, 1, 2].map(|axis| 500.0 + number(0, frame, 1, axis)));
+            for draw in 0..2 {
+                assert_eq!(path.draws[draw][frame], [0, 1, 2].map(|axis| number(draw, frame, 1, axis)));
+            }
+        }
+        let mean = Path3::new(&[vec![1.0, 2.0], vec![3.0, 4.0], vec![5.0, 6.0]], 1, None);
+        assert_eq!(mean, Path3 { mean: vec![[1.0, 3.0, 5.0], [2.0, 4.0, 6.0]], draws: vec![] });
+    }
+}
