@@ -127,7 +127,8 @@ pub fn gait_files(gait: &GaitAnalysis, title: &str) -> Result<[(&'static str, St
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew::setup::{MeasuredErrors, SetupRequest, unmeasured};
+    use sinew::setup::lasting_errors::{MeasuredErrors, VERSION};
+    use sinew::setup::{SetupRequest, unmeasured};
 
     /// The correlation exp(−|t|/τ) has the integral 2 τ.
     #[test]
@@ -138,7 +139,8 @@ mod tests {
         let mut setup = unmeasured(&layout, &SetupRequest::default(), vec![]);
         setup.start_pose = vec![0.0; setup.tree().dof()];
         for (lasting, expected) in [(None, 0.0), (Some(0.35), 0.7)] {
-            setup.lasting = lasting.map(|persistence_s| MeasuredErrors { persistence_s, ..MeasuredErrors::default() });
+            let with = |persistence_s| MeasuredErrors { persistence_s, version: VERSION, ..MeasuredErrors::default() };
+            setup.lasting = lasting.map(with);
             std::fs::write(folder.path().join("setup.toml"), setup.to_toml().unwrap()).unwrap();
             assert_eq!(apart_s(folder.path()).unwrap(), expected);
         }

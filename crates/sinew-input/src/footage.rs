@@ -27,6 +27,8 @@ use std::path::{Path, PathBuf};
 
 /// Points in space over time.
 struct Points {
+    /// Frame of the first row.
+    first: u64,
     /// Row by row, in the order of the layout.
     rows: Vec<Vec<Option<[f64; 3]>>>,
 }
@@ -193,7 +195,18 @@ impl<'a> Footage<'a> {
             return Err(InputError::MarkerMissing { file: name, point, words, markers: markers.clone() }.into());
         }
         let row = |row| (0..markers.len()).map(|marker| file.point_in_world(row, marker)).collect();
-        self.points = Some(Points { rows: (0..file.frames.len()).map(row).collect() });
+        let rows: Vec<_> = (0..file.frames.len()).map(row).collect();
+        // The recording's frame 0 is at time 0.
+        let by_time = file.frames.first().map_or(0.0, |row| row.time_s * file.header.rate_hz).round() as u64;
+        let wanted = self.frames.start;
+        let reaches = (by_time..by_time + rows.len() as u64).contains(&wanted);
+        if !reaches {
+            self.warnings.push(format!(
+                "{name}: by its times it has frames {by_time}..{}, and tracking begins with frame {wanted}: its first row is taken for that frame",
+                by_time + rows.len() as u64
+            ));
+        }
+        self.points = Some(Points { first: if reaches { by_time } else { wanted }, rows });
         (self.layout, self.keypoints) = (layout, None);
         Ok(())
     }
@@ -208,7 +221,7 @@ impl<'a> Footage<'a> {
     #[must_use]
     pub fn available(&self) -> Range<u64> {
         match &self.points {
-            Some(points) => self.frames.start..self.frames.end.min(self.frames.start + points.rows.len() as u64),
+            Some(points) => self.frames.start..self.frames.end.min(points.first + points.rows.len() as u64),
             None => self.available.clone(),
         }
     }
@@ -223,7 +236,7 @@ impl<'a> Footage<'a> {
 
     /// What cameras without errors see of the points of a frame.
     fn projected(&self, points: &Points, number: u64) -> Vec<Vec<Person>> {
-        let row = number.checked_sub(self.frames.start).and_then(|row| points.rows.get(usize::try_from(row).ok()?));
+        let row = number.checked_sub(points.first).and_then(|row| points.rows.get(usize::try_from(row).ok()?));
         let Some(row) = row else { return vec![vec![]; self.cameras.len()] };
         let seen = |camera: &Camera| {
             let detection = |point: &Option<[f64; 3]>| {

@@ -20,7 +20,9 @@ pub(super) fn motion_facts(path: &Path, motion: Motion) -> Facts {
     };
     let mut facts = Facts::new(format!("{}: {}, {kind}", path.display(), motion.format.name()));
     let seconds = if motion.rate_hz > 0.0 { motion.frames() as f64 / motion.rate_hz } else { 0.0 };
-    facts.row("frames", format!("{} at {} per second, {seconds:.2} s", motion.frames(), motion.rate_hz));
+    // Times in the file have few digits.
+    let rate_hz = (1e3 * motion.rate_hz).round() / 1e3;
+    facts.row("frames", format!("{} at {rate_hz} per second, {seconds:.2} s", motion.frames()));
     let names: Vec<String> = match &motion.content {
         Content::Points(points) => points.names.clone(),
         Content::Coordinates(coordinates) => coordinates.columns.clone(),
