@@ -31,7 +31,7 @@ def call(program):
 
 @pytest.fixture(scope="session")
 def walk(call, tmp_path_factory):
-    """The folder of a simulated walk of a second at 30 frames a second."""
+    """The folder of a simulated recording of two seconds at 30 frames a second, in which somebody stands in the first and walks in the second."""
     folder = tmp_path_factory.mktemp("walk")
-    call(folder, "simulate", "--duration", 1, "--seed", 3, "-o", "walk")
+    call(folder, "simulate", "--duration", 2, "--seed", 3, "-o", "walk")
     return folder / "walk"

@@ -22,7 +22,7 @@ import weighted  # noqa: F401
 FPS = 30.0
 # Of the smoothed run: a rate that is no whole number.
 BROADCAST_FPS = 59.94
-FIRST, LAST = 3, 15
+FIRST, LAST = 42, 54
 
 
 @pytest.fixture(scope="session")
@@ -32,7 +32,7 @@ def runs(call, walk, tmp_path_factory):
     shutil.copytree(walk / "keypoints", folder / "keypoints")
     shutil.copy(walk / "Calib.toml", folder)
     for camera in ("C2", "C3", "C4"):
-        (folder / f"keypoints/{camera}_json/{camera}.0010.json").write_text(json.dumps({"version": 1.3, "people": []}))
+        (folder / f"keypoints/{camera}_json/{camera}.{FIRST + 7:04d}.json").write_text(json.dumps({"version": 1.3, "people": []}))
     common = ["track", "--calibration", "Calib.toml", "--frames", f"{FIRST}..{LAST}", "--seed", 1]
     every = [*common, "--keypoints", "keypoints", "--layout", "BODY_25B", "--patience", 1]
     # All draws are kept, so that what is said of them can be computed from them again.

@@ -291,6 +291,26 @@ mod tests {
         assert!(said(&[]).starts_with("no camera saw"));
     }
 
+    /// In a square of 360 px whose corner is at 60 px: the curve of a camera with 60 % inside 90 % regions passes (0.9, 0.6).
+    #[test]
+    fn curves_lie_where_the_axes_say() {
+        let svg = to_svg(&[camera("A", 60)]);
+        assert!(svg.contains("x1=\"60.0\" y1=\"420.0\" x2=\"420.0\" y2=\"60.0\""), "{svg}");
+        assert!(svg.contains("points=\"60.0,420.0 ") && svg.contains(" 384.0,204.0"), "{svg}");
+        for tick in 0..=5 {
+            let along = |from: f64, by: f64| from + by * 72.0 * f64::from(tick);
+            let number = format!(">{}</text>", 20 * tick);
+            let [below, beside] = [[along(60.0, 1.0), 438.0], [52.0, along(424.0, -1.0)]];
+            for [x, y] in [below, beside] {
+                let place = format!("<text x=\"{x:.1}\" y=\"{y:.1}\"");
+                assert!(
+                    svg.lines().any(|line| line.starts_with(&place) && line.ends_with(&number)),
+                    "{place} {number}"
+                );
+            }
+        }
+    }
+
     /// Ten frames of three keypoints, which the camera sees 7 px to the right, and one of them a pixel lower.
     #[test]
     fn a_camera_is_judged_without_its_own_offset() {

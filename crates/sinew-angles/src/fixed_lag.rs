@@ -176,6 +176,30 @@ mod tests {
         Stage::new(3, "rates of change").at_frame(frame)
     }
 
+    /// Of weighted states of two coordinates: as often as their weights say, and each with both of its own.
+    #[test]
+    fn weighted_states_are_drawn_whole() {
+        let count = 5 * LANES;
+        let mut states = vec![Block::ZERO; 2 * count / LANES];
+        for k in 0..count {
+            let first = k / LANES * 2;
+            states[first].0[k % LANES] = k as f64;
+            states[first + 1].0[k % LANES] = -(k as f64);
+        }
+        let total: f64 = (0..count).map(|k| k as f64).sum();
+        let weights: Vec<f64> = (0..count).map(|k| k as f64 / total).collect();
+        let posterior = Posterior { dim: 2, states: &states, weights: &weights, effective: 1.0, chain_stats: &[] };
+        let (drawn, indices) = equal_draws(&posterior, &mut stage(0).whole());
+        assert_eq!((drawn.len(), indices.len()), (2 * DRAWS / LANES, DRAWS));
+        for (draw, index) in indices.iter().enumerate() {
+            let [a, b] = [0, 1].map(|j| drawn[draw / LANES * 2 + j].0[draw % LANES]);
+            assert_eq!([a, b], [*index as f64, -(*index as f64)]);
+        }
+        // The mean index under these weights: Σk² / Σk = (2 n − 1) / 3.
+        let mean = indices.iter().sum::<usize>() as f64 / DRAWS as f64;
+        assert!((mean - (2 * count - 1) as f64 / 3.0).abs() < 2.0, "{mean}");
+    }
+
     /// A walk of one coordinate with steps of 0.5, observed with errors of 1, of which the filter is exact: variances of a change over two frames, by the joint Gaussian of both ends.
     #[test]
     fn changes_have_the_variance_of_the_joint_posterior() {

@@ -110,6 +110,21 @@ mod tests {
         (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
     }
 
+    #[test]
+    fn bodies_that_the_model_lacks_are_not_scaled() {
+        let marker = |name: &str| ModelMarker { name: name.into(), body: "hand_r".into(), place: [0.0; 3] };
+        let markers = ["RElbow", "RWrist"].map(marker);
+        let scaled = |bodies: Option<&[String]>| {
+            let text = to_xml("model.osim", &markers, bodies, [0.5, 2.0]);
+            let names = text.split("<BodyScale name=\"").skip(1).filter_map(|own| own.split_once('"'));
+            (names.map(|(name, _)| name.to_owned()).collect::<Vec<_>>(), text.matches("<Measurement name=").count())
+        };
+        let all = ["ulna_r", "radius_r", "hand_r", "ulna_l", "radius_l", "hand_l"].map(str::to_owned);
+        assert_eq!(scaled(None), (all.to_vec(), 1));
+        let of_model = ["pelvis", "radius_r", "hand_l"].map(str::to_owned);
+        assert_eq!(scaled(Some(&of_model)), (of_model[1..].to_vec(), 1));
+    }
+
     /// The scaled model's shoulders are as high above its hips as the person's, however wide their hips are: with a trunk that is too long or too short, flexion of the lumbar joint would make up for it.
     #[test]
     fn the_trunk_is_as_high_as_the_persons_with_narrow_and_wide_hips() {
