@@ -127,7 +127,7 @@ pub fn gait_files(gait: &GaitAnalysis, title: &str) -> Result<[(&'static str, St
 #[cfg(test)]
 mod tests {
     use super::*;
-    use sinew::setup::lasting_errors::{MeasuredErrors, VERSION};
+    use sinew::setup::lasting_errors::{DrawnNumber, MeasuredErrors, VERSION};
     use sinew::setup::{SetupRequest, unmeasured};
 
     /// The correlation exp(−|t|/τ) has the integral 2 τ.
@@ -138,9 +138,14 @@ mod tests {
         let layout = sinew::formats::layout::find("body-25b").unwrap();
         let mut setup = unmeasured(&layout, &SetupRequest::default(), vec![]);
         setup.start_pose = vec![0.0; setup.tree().dof()];
+        let zero = || DrawnNumber { name: "0".into(), value: 0.0, prior_mean: 0.0, prior_sd: 1.0, draws: vec![0.0] };
         for (lasting, expected) in [(None, 0.0), (Some(0.35), 0.7)] {
-            let with = |persistence_s| MeasuredErrors { persistence_s, version: VERSION, ..MeasuredErrors::default() };
-            setup.lasting = lasting.map(with);
+            setup.lasting = lasting.map(|persistence_s| MeasuredErrors {
+                version: VERSION,
+                persistence_s,
+                number: std::iter::repeat_with(zero).take(9).collect(),
+                ..MeasuredErrors::default()
+            });
             std::fs::write(folder.path().join("setup.toml"), setup.to_toml().unwrap()).unwrap();
             assert_eq!(apart_s(folder.path()).unwrap(), expected);
         }

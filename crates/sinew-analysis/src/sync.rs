@@ -20,7 +20,7 @@ use sinew::observe::cameras::offsets::{self, Sighted};
 use sinew::observe::clocks::clock_search::whole_lags;
 use sinew::observe::clocks::lag_estimate::{CameraClock, CameraLag, LagSearch, camera_clocks};
 use sinew::setup::SetupError;
-use sinew::setup::clocks::{Seen, are_too_few, seen, windows};
+use sinew::setup::clocks::{SightedRun, are_too_few, seen, windows};
 use std::ops::Range;
 use std::path::Path;
 
@@ -161,7 +161,7 @@ fn followed<E: From<Error>>(
     recording: &mut Recording,
     fps: f64,
     mut watch: impl FnMut() -> Result<(), E>,
-) -> Result<Vec<Seen>, E> {
+) -> Result<Vec<SightedRun>, E> {
     let cameras = recording.cameras().to_vec();
     let mut runs = vec![];
     for window in windows(&recording.frames(), fps) {
@@ -184,7 +184,7 @@ fn followed<E: From<Error>>(
 }
 
 /// The one person of some frames.
-fn alone(cameras: &[Camera], frames: Vec<(u64, Vec<Vec<Person>>)>) -> Seen {
+fn alone(cameras: &[Camera], frames: Vec<(u64, Vec<Vec<Person>>)>) -> SightedRun {
     let mut following = Following::default();
     let found = frames.into_iter().map(|(number, people)| {
         (number, follow(&mut following, cameras, &people, None, &association::Config::default()))
@@ -193,7 +193,7 @@ fn alone(cameras: &[Camera], frames: Vec<(u64, Vec<Vec<Person>>)>) -> Seen {
 }
 
 /// Clocks, and how badly cameras agree: the scatter of keypoints about where the others see them, over how many agree at all.
-fn estimated(cameras: &[Camera], late: &[ClockLag], runs: &[Seen], fps: f64) -> Option<(Vec<CameraClock>, f64)> {
+fn estimated(cameras: &[Camera], late: &[ClockLag], runs: &[SightedRun], fps: f64) -> Option<(Vec<CameraClock>, f64)> {
     let all: Vec<&Sighted> = runs.iter().flatten().map(|(_, sighted)| sighted).collect();
     let stride = all.len().div_ceil(OFFSET_FRAMES).max(1);
     let some: Vec<Sighted> = all.into_iter().step_by(stride).cloned().collect();

@@ -26,7 +26,7 @@ pub fn are_too_few(frames: usize, fps: Option<f64>) -> bool {
 pub const USUAL_FPS: f64 = 60.0;
 
 /// What cameras show of one person in consecutive frames, with their numbers.
-pub type Seen = Vec<(u64, Sighted)>;
+pub type SightedRun = Vec<(u64, Sighted)>;
 
 /// Windows of a recording in which clocks are judged, and their seconds.
 const WINDOWS: u64 = 15;
@@ -76,7 +76,7 @@ pub fn windows(frames: &Range<u64>, fps: f64) -> Vec<Range<u64>> {
 
 /// What cameras show of one of several people in frames with everybody.
 #[must_use]
-pub fn seen(roll: &Roll, person: usize, frames: &[(u64, Vec<Vec<Person>>)]) -> Seen {
+pub fn seen(roll: &Roll, person: usize, frames: &[(u64, Vec<Vec<Person>>)]) -> SightedRun {
     let shown = |(number, people): &(u64, Vec<Vec<Person>>)| {
         let [own, _] = roll.parted(*number, person, people.clone());
         let views: Sighted = own.into_iter().map(|view| view.into_iter().next().unwrap_or_default()).collect();

@@ -206,8 +206,8 @@ fn clocks_are_found_from_everybody_of_a_crowd() {
     }
     let late = found(&trial);
     assert!((late[1] - 5.0).abs() < 0.3 && [0, 2, 3].iter().all(|c| late[*c].abs() < 0.2), "{late:?}");
-    let inspected =
-        trial.printed(&trial.run(&["inspect", "--fps", "30", "--trim", "crowd/Calib.toml", "crowd/keypoints"]));
+    let inspect = ["inspect", "--fps", "30", "--trim", "crowd/Calib.toml", "crowd/keypoints"];
+    let inspected = String::from_utf8(trial.run(&inspect).stdout).unwrap();
     assert!(inspected.contains("`--lag C2=5`"), "{inspected}");
 }
 
