@@ -4,6 +4,7 @@
 
 mod common;
 mod files;
+mod formulas;
 mod inference;
 mod mappings;
 mod objectives;
