@@ -177,7 +177,7 @@ fn write(
 }
 
 /// The mutants that compile, written into the copy.
-fn those_that_compile(
+fn compiling_mutants(
     root: &Path,
     place: &Place<'_>,
     drawn: &[Mutant],
@@ -197,8 +197,7 @@ fn those_that_compile(
                 kept.remove(number);
             }
         }
-        if kept.len() == before {
-            let Some(first) = faults.first() else { continue };
+        if let (true, Some(first)) = (kept.len() == before, faults.first()) {
             return Err(format!("{}:{}: {}", first.file, first.line, first.said));
         }
     }
@@ -265,7 +264,7 @@ fn judge(root: &Path, args: &Args) -> Result<(), String> {
     let mut record = Record::open(&root.join("target/mutants/drawn.tsv"), &args.only)?;
     let built = |k: usize| format!("{}\tbuild", line(k));
     let tried: BTreeSet<usize> = (0..drawn.len()).filter(|k| !record.judged.contains_key(&built(*k))).collect();
-    let kept = those_that_compile(root, &place, &drawn, tried.clone())?;
+    let kept = compiling_mutants(root, &place, &drawn, tried.clone())?;
     for k in tried.difference(&kept) {
         record.add(&built(*k), "does not compile\t".into())?;
     }

@@ -198,12 +198,12 @@ impl<'a> Footage<'a> {
         let rows: Vec<_> = (0..file.frames.len()).map(row).collect();
         // The recording's frame 0 is at time 0.
         let by_time = file.frames.first().map_or(0.0, |row| row.time_s * file.header.rate_hz).round() as u64;
+        let end = by_time.saturating_add(rows.len() as u64);
         let wanted = self.frames.start;
-        let reaches = (by_time..by_time + rows.len() as u64).contains(&wanted);
+        let reaches = (by_time..end).contains(&wanted);
         if !reaches {
             self.warnings.push(format!(
-                "{name}: by its times it has frames {by_time}..{}, and tracking begins with frame {wanted}: its first row is taken for that frame",
-                by_time + rows.len() as u64
+                "{name}: by its times it has frames {by_time}..{end}, and tracking begins with frame {wanted}: its first row is taken for that frame"
             ));
         }
         self.points = Some(Points { first: if reaches { by_time } else { wanted }, rows });
@@ -221,7 +221,9 @@ impl<'a> Footage<'a> {
     #[must_use]
     pub fn available(&self) -> Range<u64> {
         match &self.points {
-            Some(points) => self.frames.start..self.frames.end.min(points.first + points.rows.len() as u64),
+            Some(points) => {
+                self.frames.start..self.frames.end.min(points.first.saturating_add(points.rows.len() as u64))
+            }
             None => self.available.clone(),
         }
     }

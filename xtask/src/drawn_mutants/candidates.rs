@@ -331,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_compiler_computes_and_tests_stay() {
+    fn constants_and_tests_have_no_candidates() {
         let code = "const A: f64 = 1.0 + 2.0; #[cfg(test)] mod tests { fn f() -> bool { 1 > 2 } } #[test] fn g() {}
             const fn h(a: usize) -> usize { a + 1 } static B: [u8; 1 + 2] = [0; 3];";
         assert_eq!(whats(code), [""; 0]);

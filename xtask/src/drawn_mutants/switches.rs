@@ -67,6 +67,8 @@ mod tests {
              fn g() { if crate::drawn_mutant(8) { return (); } }\n"
         );
         assert_eq!(switched.lines, BTreeMap::from([(4, 1..=1), (3, 2..=2), (8, 4..=4)]));
-        assert!(FUNCTION.contains(VARIABLE) && collide(&found[0], &found[1]) == collide(&found[1], &found[0]));
+        assert!(FUNCTION.contains(VARIABLE));
+        // Two answers stand one after the other; an operator is exchanged once.
+        assert!(!collide(&found[0], &found[1]) && collide(&found[2], &found[2]));
     }
 }
